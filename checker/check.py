@@ -5,6 +5,7 @@ Whole numbers and fractions alone, from the standard library. It shares no code 
 """
 
 import hashlib
+import re
 import sys
 from fractions import Fraction
 from math import isqrt
@@ -15,7 +16,12 @@ HALF = (ONE // 2, ONE // 2)
 ZERO, UNIT = (0, 0), (ONE, ONE)
 LARGEST = 10**6
 MOST = {"joint": 256, "object": 1024, "solid": 1024, "depth": 128, "points": 16, "halvings": 96}
-MOST_WORK = 50_000_000
+MOST_WORK = 20_000_000
+SIZES = {"box": 3, "ball": 1, "capsule": 2, "cylinder": 2, "half": 0, "hull": 1, "mesh": 0}
+
+
+NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.ASCII | re.IGNORECASE)
+PLANE = re.compile(r"(-?[0-9]{1,5}),(-?[0-9]{1,5}),(-?[0-9]{1,5})", re.ASCII)
 
 
 class Refused(Exception):
@@ -159,11 +165,8 @@ def sin_cos(x):
 
 
 def number(word):
-    unless(len(word) <= 32 and "_" not in word, "a number that is too long")
-    try:
-        x = float(word)
-    except ValueError:
-        raise Malformed("a number that is none") from None
+    unless(len(word) <= 32 and NUMBER.fullmatch(word), "a number that is none")
+    x = float(word)
     unless(abs(x) <= LARGEST, "a number that is none, or too large")
     return Fraction(x)
 
@@ -205,9 +208,6 @@ class Solid:
         self.kind, self.pose, self.sizes = kind, placed, [exact(size) for size in sizes]
         self.inverse, self.points, self.faces = transposed(placed[0]), [], []
 
-    def most(self):
-        return [max(abs(point[i]) for point in self.points) + 1 for i in range(3)]
-
     def support(self, n, faces):
         """(4) Returns an upper bound of n·p over the solid, or these faces."""
         m = times(self.inverse, n)
@@ -234,7 +234,7 @@ class Solid:
         """Computes the box around the solid, in the frame of the object."""
         if self.kind in ("hull", "mesh"):
             unless(self.points and bool(self.faces) == (self.kind == "mesh"), "a solid without points or faces")
-            self.largest = self.most()
+            self.largest = [max(abs(point[i]) for point in self.points) + 1 for i in range(3)]
         if self.kind != "half":
             axis = lambda i, sign: [(sign * ONE,) * 2 if j == i else ZERO for j in range(3)]
             whole = (0, len(self.faces))
@@ -244,7 +244,7 @@ class Solid:
 class Object:
     def __init__(self, name, is_body):
         self.name, self.is_body, self.solids = name, is_body, []
-        self.parent, self.pose, self.motion, self.depth = None, IDENTITY, None, 0
+        self.parent, self.pose, self.motion, self.depth, self.lines = None, IDENTITY, None, 0, []
 
     def span(self, begin, end):
         return (begin, end, 0, len(self.solids[begin].faces) if end == begin + 1 else 0)
@@ -280,14 +280,16 @@ class Object:
 class Scene:
     """Robot, world and rules, read line by line."""
 
-    def __init__(self):
-        self.name, self.joints, self.objects = None, [], []
+    def __init__(self, before):
+        self.name, self.joints, self.objects, self.before, self.hash, self.paths = None, [], [], before, None, 0
         self.margin = self.start = self.tip = self.open = None
-        self.kept, self.skipped, self.goals, self.exceptions = {}, set(), [], []
+        self.pairs_apart, self.goals, self.exceptions, self.pairs = {}, [], [], []
 
     def line(self, words):
         kind, rest = words[0], words[1:]
-        if self.open and kind in ("v", "f"):
+        if self.objects and kind in ("v", "f"):
+            self.objects[-1].lines.append(" ".join(words))
+        if self.open and kind in ("v", "f") and self.open.kind in ("hull", "mesh"):
             if kind == "v":
                 unless(not self.open.faces, "a vertex after a face")
                 self.open.points.append([exact(x)[0] for x in numbers(rest, 3)])
@@ -296,91 +298,75 @@ class Scene:
                 self.open.faces.append(tuple(index(word, len(self.open.points)) for word in rest))
             return
         self.close()
-        getattr(self, "read_" + kind, self.unknown)(kind, rest)
+        has_place = self.margin is None and len(self.objects) < MOST["object"]
+        if kind in SIZES:
+            self.solid(kind, rest)
+        elif kind == "body" and len(rest) == 1 and has_place:
+            self.objects.append(Object(rest[0], True))
+        elif kind == "link" and len(rest) >= 10 and has_place:
+            self.link(*rest)
+        else:
+            self.rule(kind, rest)
+            return
+        self.objects[-1].lines.append(" ".join(words))
 
     def close(self):
         if self.open:
             self.open.finish()
             self.open = None
 
-    def unknown(self, kind, rest):
-        raise Malformed("a line of no known kind")
+    def rule(self, kind, rest):
+        """Reads a line that is neither an object nor a solid."""
+        count, is_rule = len(rest), self.margin is not None
+        if kind == "scene" and count == 1 and not self.name:
+            self.name = rest[0]
+        elif kind == "joint" and count == 3 and not self.objects and len(self.joints) < MOST["joint"]:
+            self.joints.append((rest[0], number(rest[1]), number(rest[2])))
+        elif kind == "margin" and not is_rule:
+            (self.margin,) = numbers(rest, 1)
+            unless(self.margin >= 0, "a margin is not negative")
+        elif kind in ("keep", "skip") and is_rule and count == 3:
+            pair = tuple(index(word, len(self.objects)) for word in rest[:2])
+            unless(pair[0] < pair[1] and pair not in self.pairs_apart, "each pair once, the lower index first")
+            self.pairs_apart[pair] = number(rest[2]) if kind == "keep" else None
+            self.exceptions.append(" ".join([kind, *(self.objects[i].name for i in pair), rest[2]]))
+        elif kind == "start" and self.start is None:
+            self.start = numbers(rest, len(self.joints))
+        elif kind == "tip" and is_rule and self.tip is None and count == 1:
+            self.tip = index(rest[0], len(self.objects))
+        elif kind == "goal" and is_rule and count == 8:
+            self.goals.append(pose(rest[1:]))
+        else:
+            raise Malformed("a line of no known kind, or not at this place")
 
-    def read_scene(self, _, rest):
-        unless(len(rest) == 1 and not self.name, "a scene has one name")
-        self.name = rest[0]
-
-    def read_joint(self, _, rest):
-        unless(len(rest) == 3 and not self.objects and len(self.joints) < MOST["joint"], "a joint: NAME LOWER UPPER")
-        self.joints.append((rest[0], number(rest[1]), number(rest[2])))
-
-    def read_body(self, _, rest):
-        unless(len(rest) == 1 and self.margin is None and len(self.objects) < MOST["object"], "a body at this place")
-        self.objects.append(Object(rest[0], True))
-
-    def read_link(self, _, rest):
-        links = len(self.objects)
-        unless(self.margin is None and links < MOST["object"] and len(rest) >= 10, "a link at this place")
+    def link(self, name, parent, *rest):
+        link, links = Object(name, False), len(self.objects)
         unless(not any(known.is_body for known in self.objects), "links come before bodies")
-        link = Object(rest[0], False)
-        if rest[1] != "-":
-            link.parent = index(rest[1], links)
+        if parent != "-":
+            link.parent = index(parent, links)
             link.depth = self.objects[link.parent].depth + 1
-        unless(link.depth < MOST["depth"] and (link.parent is not None or links == 0), "one root")
-        link.pose = pose(rest[2:9])
-        if rest[9] in ("turn", "slide"):
-            unless(len(rest) == 16, "a joint: INDEX FACTOR OFFSET AXIS")
-            factor, offset, *axis = [exact(x) for x in numbers(rest[11:], 5)]
+        unless(link.depth < MOST["depth"] and (link.parent is None) == (links == 0), "one root")
+        link.pose = pose(rest[:7])
+        if rest[7] in ("turn", "slide"):
+            unless(len(rest) == 14, "a joint: INDEX FACTOR OFFSET AXIS")
+            factor, offset, *axis = [exact(x) for x in numbers(rest[9:], 5)]
             long = length(axis)
             unless(long[0] * 1000 > ONE and long[1] < 1000 * ONE, "an axis must have a length near 1")
             unit = [over(x, long) for x in axis]
-            link.motion = (rest[9] == "turn", index(rest[10], len(self.joints)), factor, offset, unit)
+            link.motion = (rest[7] == "turn", index(rest[8], len(self.joints)), factor, offset, unit)
         else:
-            unless(rest[9:] == ["fixed"], "a motion that is none")
+            unless(rest[7:] == ("fixed",), "a motion that is none")
         self.objects.append(link)
 
     def solid(self, kind, rest):
-        count = {"box": 3, "ball": 1, "capsule": 2, "cylinder": 2, "half": 0, "hull": 1, "mesh": 0}[kind]
-        unless(self.objects and self.margin is None and len(rest) == 7 + count, "a solid: POSE and sizes")
-        sizes = numbers(rest[7:], count)
+        unless(self.objects and self.margin is None and len(rest) == 7 + SIZES[kind], "a solid: POSE and sizes")
+        sizes = numbers(rest[7:], SIZES[kind])
         unless(all(size > 0 or (kind == "hull" and size == 0) for size in sizes), "a size must be positive")
-        solid, owner = Solid(kind, pose(rest[:7]), sizes), self.objects[-1]
+        owner = self.objects[-1]
         unless(kind != "half" or owner.is_body, "a link cannot be a half-space")
         unless(len(owner.solids) < MOST["solid"], "too many solids")
-        owner.solids.append(solid)
-        self.open = solid
-
-    read_box = read_ball = read_capsule = read_cylinder = read_half = read_hull = read_mesh = solid
-
-    def read_margin(self, _, rest):
-        unless(self.margin is None, "one margin")
-        (self.margin,) = numbers(rest, 1)
-        unless(self.margin >= 0, "a margin is not negative")
-
-    def pair(self, kind, rest):
-        unless(self.margin is not None and len(rest) == 3, "a pair: A B and a distance or reason")
-        pair = tuple(index(word, len(self.objects)) for word in rest[:2])
-        unless(pair[0] < pair[1] and pair not in (self.kept if kind == "keep" else self.skipped), "a pair once")
-        if kind == "keep":
-            self.kept[pair] = number(rest[2])
-        else:
-            self.skipped.add(pair)
-        self.exceptions.append(" ".join([kind, *(self.objects[i].name for i in pair), rest[2]]))
-
-    read_keep = read_skip = pair
-
-    def read_start(self, _, rest):
-        unless(self.start is None, "one start")
-        self.start = numbers(rest, len(self.joints))
-
-    def read_tip(self, _, rest):
-        unless(self.margin is not None and self.tip is None and len(rest) == 1, "one tip")
-        self.tip = index(rest[0], len(self.objects))
-        unless(not self.objects[self.tip].is_body, "the tip is a link")
-
-    def read_goal(self, _, rest):
-        unless(self.margin is not None and len(rest) == 8, "a goal: NAME and a pose")
-        self.goals.append(pose(rest[1:]))
+        self.open = Solid(kind, pose(rest[:7]), sizes)
+        owner.solids.append(self.open)
 
     def chain(self, top, of):
         chain, at = [], None if self.objects[of].is_body else of
@@ -393,16 +379,25 @@ class Scene:
         same = [x for x, y in zip(self.chain(None, a), self.chain(None, b)) if x == y]
         return same[-1] if same else None
 
-    def finish(self):
+    def finish(self, hash_):
+        """Lists the pairs that must be proven, and what differs from the scene before."""
         self.close()
+        self.hash = hash_
+        if self.before:
+            scene, end = self.before
+            unless(self.start == end, "the scene does not start where the path before it ends")
+            for sign, new, old in (("-", scene, self), ("+", self, scene)):
+                lines = {tuple(known.lines) for known in old.objects}
+                self.exceptions += [f"{sign} {known.name}" for known in new.objects if tuple(known.lines) not in lines]
+            self.before = None
         unless(self.joints and self.start and self.goals and self.tip is not None, "a scene without start, tip or goal")
-        self.pairs = []
+        unless(not self.objects[self.tip].is_body, "the tip is a link")
         for a, first in enumerate(self.objects):
             for b in range(a + 1, len(self.objects)) if first.solids and not first.is_body else ():
-                top = self.common(a, b)
+                top, distance = self.common(a, b), self.pairs_apart.get((a, b), self.margin)
                 moves = any(self.objects[i].motion for end in (a, b) for i in self.chain(top, end))
-                if self.objects[b].solids and (a, b) not in self.skipped and moves:
-                    self.pairs.append((a, b, self.kept.get((a, b), self.margin)))
+                if self.objects[b].solids and moves and distance is not None:
+                    self.pairs.append((a, b, distance))
 
 
 def halves(curve):
@@ -495,14 +490,14 @@ class Path:
 
     def __init__(self, scene):
         self.scene, self.points, self.end, self.next, self.outside = scene, [], None, 0, set()
-        self.moments, self.is_new = {}, True
+        self.moments, self.is_new, self.work = {}, True, 0
 
     def control_point(self, q):
         unless(self.next == 0 and len(self.points) < MOST["points"], "a control point at this place")
         for (name, lower, upper), x in zip(self.scene.joints, q):
             if not lower <= x <= upper:
                 raise Refused(f"{name} is outside its limits")
-        if not self.points:  # (11)
+        if not self.points:  # (10)
             from_, tolerance = (self.scene.start, Fraction(1e-5)) if self.end is None else (self.end, 0)
             if any(abs(a - b) > tolerance for a, b in zip(q, from_)):
                 raise Refused("the piece does not begin where the path is")
@@ -538,6 +533,9 @@ class Path:
                 unless(plane or mark == "=", "no plane before")
                 whole = objects[0].has_whole_meshes(of_a) and objects[1].has_whole_meshes(of_b)
                 unless(margin >= 0 or whole, "an allowed overlap needs planes for the whole mesh")
+                sizes = [len(solid.points) + len(solid.faces) + 100 for known in objects for solid in known.solids]
+                self.work += sum(sizes) + len(self.scene.objects)
+                unless(self.work <= MOST_WORK, "more work than a path may take")
                 if time not in self.moments:
                     self.moments[time] = Moment(self.scene, curve)
                 self.separates(a, b, margin, self.moments[time], of_a, of_b, None if mark == "=" else plane)
@@ -548,9 +546,9 @@ class Path:
 
     @staticmethod
     def normal(mark):
-        words = mark.split(",")
-        unless(len(words) == 3 and all(len(word) <= 6 and word.lstrip("-").isdigit() for word in words), "a mark that is none")
-        n = [int(word) for word in words]
+        found = PLANE.fullmatch(mark)
+        unless(found, "a mark that is none")
+        n = [int(word) for word in found.groups()]
         unless(any(n) and all(-32768 <= x <= 32767 for x in n), "a mark that is none")
         return [(x * ONE, x * ONE) for x in n]
 
@@ -604,40 +602,42 @@ def check(text, report):
     unless(text.endswith("\n"), "a line without an end")
     lines = text[:-1].split("\n")
     unless(lines[0] == "cranny-certificate/1", "the format is not `cranny-certificate/1`")
-    scene, path, paths, read, hash_ = Scene(), None, 0, len(lines[0]) + 1, None
-    for number_, line in enumerate(lines[1:], 2):
-        report(number_)
+    found, scene, path, count, begin = [], None, None, 0, 1
+    for at, line in enumerate(lines[1:], 1):
+        report(at + 1)
         words = line.split(" ")
-        if hash_ is None:
-            if words[0] == "hash":
-                hash_ = hashlib.sha256(text.encode()[: len(text[:read].encode())]).hexdigest()
-                if words[1:] != [hash_]:
-                    raise Refused(f"the scene has the hash {hash_}")
-                scene.finish()
-            else:
-                scene.line(words)
-            read += len(line) + 1
-            continue
-        if words[0] in ("path", "end"):
-            if path:
+        if words[0] == "end" or (words[0] == "scene" and (scene is None or scene.hash)):
+            if scene:
+                unless(path, "no path")
                 path.end_path()
             if line == "end":
-                unless(number_ == len(lines) and paths, "a line after the end, or no path")
-                return scene, hash_, paths
-            path, paths = Path(scene), paths + 1
-            continue
-        unless(path, "a line of no path")
-        if line == "piece":
+                unless(scene and scene.hash and at + 1 == len(lines), "an end at another place")
+                return found
+            scene, path, begin = Scene(scene and (scene, path.end)), None, at
+        if scene is None or not scene.hash:
+            unless(scene, "a scene begins with its name")
+            if words[0] == "hash":
+                hash_ = hashlib.sha256("".join(line + "\n" for line in lines[begin:at]).encode()).hexdigest()
+                if words[1:] != [hash_]:
+                    raise Refused(f"the scene has the hash {hash_}")
+                scene.finish(hash_)
+                found.append(scene)
+            else:
+                scene.line(words)
+        elif words[0] == "path":
+            if path:
+                path.end_path()
+            path, scene.paths = Path(scene), scene.paths + 1
+        elif line == "piece" and path:
             if not path.is_new:
                 path.end_piece()
             path.is_new = False
-        elif words[0] == "q":
-            unless(not path.is_new, "a control point of no piece")
+        elif words[0] == "q" and path and not path.is_new:
             path.control_point(numbers(words[1:], len(scene.joints)))
-        elif words[0] == "p":
+        elif words[0] == "p" and path:
             path.pair(words[1:])
         else:
-            raise Malformed("a line of no known kind")
+            raise Malformed("a line of no known kind, or not at this place")
     raise Malformed("the certificate has no end")
 
 
@@ -650,7 +650,7 @@ def main(arguments):
         with open(arguments[1], "rb") as file:
             data = file.read((64 << 20) + 1)
         unless(len(data) <= 64 << 20, "more than 64 MiB")
-        scene, hash_, paths = check(data.decode(), lambda line: at.__setitem__(0, line))
+        scenes = check(data.decode(), lambda line: at.__setitem__(0, line))
     except (OSError, UnicodeDecodeError) as fault:
         print(f"{arguments[1]}: {fault}", file=sys.stderr)
         return 2
@@ -660,8 +660,10 @@ def main(arguments):
     except Refused as fault:
         print(f"not certified: {arguments[1]}:{at[0]}: {fault}")
         return 1
-    print(f"certified\n  scene       {scene.name} {hash_}\n  paths       {paths}\n  pairs       {len(scene.pairs)}")
-    print("".join(f"  {line}\n" for line in scene.exceptions), end="")
+    print("certified")
+    for scene in scenes:
+        print(f"  scene       {scene.name} {scene.hash}\n  paths       {scene.paths}\n  pairs       {len(scene.pairs)}")
+        print("".join(f"  {line}\n" for line in scene.exceptions), end="")
     return 0
 
 

@@ -10,4 +10,4 @@ mod reader;
 mod scene;
 
 pub use digest::sha256;
-pub use reader::{Certified, Refusal, check};
+pub use reader::{Certified, CertifiedScene, Refusal, check};

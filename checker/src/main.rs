@@ -27,17 +27,16 @@ fn main() -> ExitCode {
     match cranny_check::check(text) {
         Err(fault) if fault.is_malformed => bad(&format!("{file}:{}: {}", fault.line, fault.reason)),
         Err(fault) => no(&format!("{file}:{}: {}", fault.line, fault.reason)),
-        Ok(found) if hash.is_some_and(|hash| *hash != found.hash) => {
-            no(&format!("{file}: the scene has the hash {}", found.hash))
+        Ok(found) if hash.is_some_and(|hash| found.scenes.iter().all(|scene| scene.hash != *hash)) => {
+            no(&format!("{file}: no scene has this hash"))
         }
         Ok(found) => {
             println!("certified");
-            println!("  scene       {} {}", found.scene, found.hash);
-            println!("  paths       {} of {} pieces", found.paths, found.pieces);
-            println!("  pairs       {}, each at least {} m apart", found.pairs, found.margin_m);
-            println!("  planes      {}", found.planes);
-            for line in found.exceptions {
-                println!("  {line}");
+            for scene in found.scenes {
+                println!("  scene       {} {}", scene.name, scene.hash);
+                println!("  paths       {} of {} pieces", scene.paths, scene.pieces);
+                println!("  pairs       {}, each at least {} m apart", scene.pairs, scene.margin_m);
+                scene.exceptions.iter().for_each(|line| println!("  {line}"));
             }
             ExitCode::SUCCESS
         }

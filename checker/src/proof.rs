@@ -62,7 +62,7 @@ fn unless(holds: bool, reason: &str) -> Result<(), Fault> {
 }
 
 /// Work that was done, and planes that were evaluated.
-#[derive(Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Effort {
     work: u64,
     pub planes: u64,
@@ -329,7 +329,8 @@ fn halves(curve: &Curve) -> [Curve; 2] {
 
 /// Reads a plane: three whole numbers of 16 bits, not all zero.
 fn normal(mark: &str) -> Option<Vector> {
-    let n: Vec<i16> = mark.split(',').map(|x| x.parse().ok()).collect::<Option<_>>()?;
+    let whole = |x: &str| x.parse().ok().filter(|_| !x.starts_with('+'));
+    let n: Vec<i16> = mark.split(',').map(whole).collect::<Option<_>>()?;
     let n: [i16; 3] = n.try_into().ok()?;
     (n != [0; 3]).then(|| n.map(|x| point(f64::from(x))))
 }

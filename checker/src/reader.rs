@@ -8,17 +8,24 @@ use super::scene::{
 };
 
 /// Content of a certificate that holds.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Certified {
-    pub scene: String,
+    pub scenes: Vec<CertifiedScene>,
+    /// Number of planes that were evaluated.
+    pub planes: u64,
+    effort: Effort,
+}
+
+/// Scene, with the numbers of its paths, of their pieces, and of the pairs that are compared.
+#[derive(Debug)]
+pub struct CertifiedScene {
+    pub name: String,
     pub hash: String,
     pub margin_m: f64,
     pub paths: usize,
     pub pieces: usize,
-    /// Number of pairs that are compared, and of planes that were evaluated.
     pub pairs: usize,
-    pub planes: u64,
-    /// Pairs that are not compared, and those with a distance of their own.
+    /// Pairs that are not compared, those with a distance of their own, and objects that differ from the scene before.
     pub exceptions: Vec<String>,
 }
 
@@ -68,7 +75,7 @@ pub fn check(text: &str) -> Result<Certified, Refusal> {
     certified(text, &mut line).map_err(|fault| refusal((fault, line.max(1))))
 }
 
-/// Reads the scene, then the paths. `number` is the line that is being read.
+/// Reads scenes, each with its paths. `number` is the line that is being read.
 fn certified(text: &str, number: &mut usize) -> Checked<Certified> {
     let mut read = 0;
     let mut lines = text.split_inclusive('\n').map(|line| {
@@ -81,32 +88,49 @@ fn certified(text: &str, number: &mut usize) -> Checked<Certified> {
     let ended = || malformed("the certificate ends before its `end`");
     let mut next = || -> Checked<(&str, usize)> { lines.next().ok_or_else(ended)? };
     unless(next()?.0 == "cranny-certificate/1", "the format is not `cranny-certificate/1`")?;
-    let mut draft = Draft::default();
-    let hash = loop {
-        let (line, before) = next()?;
-        if let Some(stated) = line.strip_prefix("hash ") {
-            let hash = sha256(&text.as_bytes()[..before]);
-            if stated != hash {
-                return Err(format!("the scene has the hash {hash}").into());
-            }
-            break hash;
-        }
-        draft.line(line)?;
-    };
-    let (scene, exceptions) = draft.finished()?;
-    let mut along = Along::new(&scene);
+    let mut found = Certified::default();
+    let mut before: Option<(Scene, Vec<f64>)> = None;
+    let (mut line, mut begin) = next()?;
     loop {
-        let (line, _) = next()?;
+        let mut draft = Draft::default();
+        let hash = loop {
+            draft.line(line)?;
+            let at;
+            (line, at) = next()?;
+            if let Some(stated) = line.strip_prefix("hash ") {
+                let hash = sha256(&text.as_bytes()[begin..at]);
+                if stated != hash {
+                    return Err(format!("the scene has the hash {hash}").into());
+                }
+                break hash;
+            }
+        };
+        let (scene, mut exceptions) = draft.finished()?;
+        if let Some((before, end)) = &before {
+            unless(scene.start == *end, "the scene does not start where the path before it ends")?;
+            exceptions.extend(scene.changes_since(before));
+        }
+        let mut along = Along { effort: found.effort, ..Along::new(&scene) };
+        loop {
+            (line, begin) = next()?;
+            if line == "end" || line.starts_with("scene ") {
+                break;
+            }
+            along.line(line)?;
+        }
+        along.end_path()?;
+        unless(along.paths > 0, "no path")?;
+        let Along { paths, pieces, effort, last, .. } = along;
+        let (name, pairs, margin_m) = (scene.name.clone(), scene.pairs.len(), scene.margin);
+        found.scenes.push(CertifiedScene { name, hash, margin_m, paths, pieces, pairs, exceptions });
+        (found.effort, before) = (effort, Some((scene, last)));
         if line == "end" {
             break;
         }
-        along.line(line)?;
     }
-    along.end_path()?;
-    unless(along.paths > 0 && next().is_err(), "no path, or a line after the end")?;
-    let Along { paths, pieces, effort, .. } = along;
-    let (pairs, margin_m, planes) = (scene.pairs.len(), scene.margin, effort.planes);
-    Ok(Certified { hash, margin_m, paths, pieces, pairs, planes, exceptions, scene: scene.name.clone() })
+    unless(text.len() == begin + "end\n".len(), "a line after the end")?;
+    found.planes = found.effort.planes;
+    Ok(found)
 }
 
 fn number(word: &str) -> Checked<f64> {
@@ -120,7 +144,8 @@ fn numbers<const N: usize>(words: &[&str]) -> Checked<[f64; N]> {
 }
 
 fn index(word: &str, below: usize) -> Checked<usize> {
-    let index = word.parse().ok().filter(|index| *index < below && word.len() <= 9);
+    let is_whole = word.len() <= 9 && word.bytes().all(|byte| byte.is_ascii_digit());
+    let index = word.parse().ok().filter(|index| *index < below && is_whole);
     index.ok_or(malformed("an index out of range"))
 }
 
@@ -143,6 +168,9 @@ impl Draft {
     fn line(&mut self, line: &str) -> Checked {
         let (kind, rest) = line.split_once(' ').unwrap_or((line, ""));
         let words: Vec<&str> = rest.split(' ').collect();
+        if let (Some(object), "v" | "f") = (self.scene.objects.last_mut(), kind) {
+            object.text.push_str(line);
+        }
         match (kind, &mut self.open) {
             ("v", Some((_, Shape::Hull { points, .. }))) => return Ok(points.push(numbers(&words)?)),
             ("v", Some((_, Shape::Mesh { points, faces }))) => {
@@ -159,6 +187,7 @@ impl Draft {
         let (count, objects, is_rule) = (words.len(), self.scene.objects.len(), self.margin.is_some());
         match kind {
             "scene" if count == 1 && self.scene.name.is_empty() => self.scene.name = rest.to_owned(),
+            _ if self.scene.name.is_empty() => return Err(malformed("a scene begins with its name")),
             "joint" if count == 3 && objects == 0 && self.scene.joints.len() < MOST_JOINTS => {
                 let [lower, upper] = numbers(&words[1..])?;
                 self.scene.joints.push(Joint { name: words[0].to_owned(), lower, upper });
@@ -190,6 +219,9 @@ impl Draft {
             "tip" if is_rule && self.tip.is_none() => self.tip = Some(index(rest, objects)?),
             "goal" if count == 8 && is_rule => self.scene.goals.push(pose(&words[1..])?),
             _ => return Err(malformed("a line of no known kind, or not at this place")),
+        }
+        if let Some(object) = self.scene.objects.last_mut().filter(|_| !is_rule) {
+            object.text.push_str(line);
         }
         Ok(())
     }
@@ -264,6 +296,8 @@ struct Along<'a> {
     next: usize,
     /// End of the previous piece, `None` before the first.
     end: Option<Vec<f64>>,
+    /// End of the last path.
+    last: Vec<f64>,
     paths: usize,
     pieces: usize,
 }
@@ -271,7 +305,18 @@ struct Along<'a> {
 impl<'a> Along<'a> {
     fn new(scene: &'a Scene) -> Self {
         let (effort, outside, points) = (Effort::default(), Outside::default(), Vec::new());
-        Self { scene, effort, outside, points, piece: None, next: 0, end: None, paths: 0, pieces: 0 }
+        Self {
+            scene,
+            effort,
+            outside,
+            points,
+            piece: None,
+            next: 0,
+            end: None,
+            last: Vec::new(),
+            paths: 0,
+            pieces: 0,
+        }
     }
 
     fn line(&mut self, line: &str) -> Checked {
@@ -356,7 +401,7 @@ impl<'a> Along<'a> {
             return Err("the path ends at no goal".to_owned().into());
         }
         std::mem::take(&mut self.outside).check(self.scene, &mut self.effort)?;
-        self.end = None;
+        self.last = self.end.take().unwrap_or_default();
         Ok(())
     }
 }

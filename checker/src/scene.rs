@@ -1,6 +1,6 @@
 //! Robot, bodies, pairs, start and goals of a certificate, and the supports of its solids.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::interval::{
     IDENTITY, Interval, Matrix, ONE, ORIGIN, Vector, dot, length, point, scaled, transposed_times,
@@ -95,6 +95,8 @@ pub struct Object {
     pub depth: usize,
     pub pose: Pose,
     pub motion: Option<Motion>,
+    /// Its lines.
+    pub text: String,
     pub solids: Vec<Solid>,
     /// For each solid a box around it, its lower and upper corner.
     pub boxes: Vec<[Point; 2]>,
@@ -269,6 +271,20 @@ impl Scene {
     pub fn common(&self, a: usize, b: usize) -> Option<usize> {
         let (a, b) = (self.chain(None, a), self.chain(None, b));
         a.iter().zip(&b).take_while(|(x, y)| x == y).last().map(|(x, _)| *x)
+    }
+
+    /// Lists the objects that another scene has not, or with other lines.
+    pub fn changes_since(&self, before: &Self) -> Vec<String> {
+        let new = |new: &Self, old: &Self, sign: char| {
+            let lines: HashSet<&str> = old.objects.iter().map(|object| &object.text[..]).collect();
+            let is_new = |object: &&Object| !lines.contains(&object.text[..]);
+            new.objects
+                .iter()
+                .filter(is_new)
+                .map(|object| format!("{sign} {}", object.name))
+                .collect::<Vec<_>>()
+        };
+        [new(before, self, '-'), new(self, before, '+')].concat()
     }
 
     /// Lists the pairs that must be proven: all of a link and another object that a joint moves against each other.

@@ -8,9 +8,14 @@ const SLIDE: &str = include_str!("certificates/slide.cert");
 fn changed(from: &str, to: &str) -> String {
     assert!(SLIDE.contains(from), "{from}");
     let text = SLIDE.replacen(from, to, 1);
-    let (scene, rest) = text.split_once("hash ").unwrap();
-    let (_, paths) = rest.split_once('\n').unwrap();
-    format!("{scene}hash {}\n{paths}", sha256(scene.as_bytes()))
+    with_hash(&text).unwrap()
+}
+
+fn with_hash(text: &str) -> Option<String> {
+    let (format, scene) = text.split_once('\n')?;
+    let (scene, rest) = scene.split_once("hash ")?;
+    let (_, paths) = rest.split_once('\n')?;
+    Some(format!("{format}\n{scene}hash {}\n{paths}", sha256(scene.as_bytes())))
 }
 
 fn reason(text: &str) -> String {
@@ -27,8 +32,9 @@ fn the_hash_is_sha_256() {
 #[test]
 fn a_certificate_that_holds_is_accepted() {
     let found = check(SLIDE).unwrap();
-    assert_eq!((found.paths, found.pieces, found.pairs, found.planes), (1, 1, 8, 12));
-    assert_eq!(found.exceptions, ["keep cart floor 0.02", "skip cart arm adjacent-touching"]);
+    let scene = &found.scenes[0];
+    assert_eq!((scene.paths, scene.pieces, scene.pairs, found.planes), (1, 1, 8, 12));
+    assert_eq!(scene.exceptions, ["keep cart floor 0.02", "skip cart arm adjacent-touching"]);
 }
 
 #[test]
@@ -100,9 +106,27 @@ fn malformed_lines_are_refused_with_their_number() {
         ("end\n", ""),
         ("end\n", "end"),
         ("end\n", "end\nend\n"),
+        ("end\n", "end\nend"),
     ] {
         assert!(check(&changed(from, to)).is_err(), "{from} -> {to}");
     }
+}
+
+/// A second scene starts where the first one ends, and what differs is named.
+#[test]
+fn scenes_follow_each_other() {
+    let (first, _) = SLIDE.split_once("end\n").unwrap();
+    let back = SLIDE
+        .replace("start -0.5 0", "start 0.5 0.5")
+        .replace("q -0.5 0\nq 0.5 0.5", "q 0.5 0.5\nq 0.5 0.49");
+    let back = with_hash(&back.replace("body floor", "body ground")).unwrap();
+    let (_, second) = back.split_once('\n').unwrap();
+    let found = check(&format!("{first}{second}")).unwrap();
+    let changes = ["keep cart ground 0.02", "skip cart arm adjacent-touching", "- floor", "+ ground"];
+    assert_eq!((found.scenes.len(), &found.scenes[1].exceptions[..]), (2, &changes.map(String::from)[..]));
+    let elsewhere = with_hash(&back.replace("start 0.5 0.5", "start 0.500001 0.5")).unwrap();
+    let (_, second) = elsewhere.split_once('\n').unwrap();
+    assert!(reason(&format!("{first}{second}")).contains("does not start"));
 }
 
 /// Nesting and counts that a file states cost nothing.
@@ -138,10 +162,6 @@ fn damaged_bytes_never_panic() {
             }
         }
         let _ = check(&text);
-        if let Some((scene, (_, paths))) =
-            text.split_once("hash ").and_then(|(s, r)| Some((s, r.split_once('\n')?)))
-        {
-            let _ = check(&format!("{scene}hash {}\n{paths}", sha256(scene.as_bytes())));
-        }
+        let _ = with_hash(&text).map(|text| check(&text));
     }
 }
