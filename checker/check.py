@@ -614,6 +614,7 @@ def check(text, report):
                 unless(scene and scene.hash and at + 1 == len(lines), "an end at another place")
                 return found
             scene, path, begin = Scene(scene and (scene, path.end)), None, at
+            unless(sum(len(known.objects) ** 2 for known in found) < 4 * MOST["object"] ** 2, "too many objects")
         if scene is None or not scene.hash:
             unless(scene, "a scene begins with its name")
             if words[0] == "hash":

@@ -69,7 +69,8 @@ pub struct Effort {
 }
 
 impl Effort {
-    fn add(&mut self, work: u64) -> Result<(), Fault> {
+    /// Counts work, and fails beyond the limit.
+    pub fn add(&mut self, work: u64) -> Result<(), Fault> {
         self.work = self.work.saturating_add(work);
         unless(self.work <= MOST_WORK, "more work than a certificate may take")
     }
@@ -164,7 +165,8 @@ impl<'a> Piece<'a> {
         let (scene, [span_a, span_b]) = (self.scene, node.spans);
         let [of_a, of_b] = [&scene.objects[a], &scene.objects[b]];
         effort.planes += 1;
-        effort.add(200 + 2 * (of_a.size(span_a) + of_b.size(span_b)))?;
+        let joints = 100 * (of_a.depth + of_b.depth + 2) as u64;
+        effort.add(joints + 2 * (of_a.size(span_a) + of_b.size(span_b)))?;
         let moment = self.moment(node, effort)?;
         let top = scene.common(a, b);
         let first = self.moved(&moment, top, a, span_a, false);

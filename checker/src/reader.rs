@@ -105,6 +105,8 @@ fn certified(text: &str, number: &mut usize) -> Checked<Certified> {
                 break hash;
             }
         };
+        // Pairs are listed.
+        found.effort.add(50 * (draft.scene.objects.len() as u64).pow(2))?;
         let (scene, mut exceptions) = draft.finished()?;
         if let Some((before, end)) = &before {
             unless(scene.start == *end, "the scene does not start where the path before it ends")?;
@@ -389,6 +391,7 @@ impl<'a> Along<'a> {
             return Ok(());
         }
         unless(self.points.len() >= 2, "a path without a piece")?;
+        self.effort.add(100 * self.scene.objects.len() as u64)?;
         let tip = Piece::new(self.scene, &self.points).pose_at_end(self.scene.tip);
         self.end_piece()?;
         let is_there = |goal: &Pose| {
