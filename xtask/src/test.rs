@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use crate::c_api;
+use crate::certificate_checker;
 use crate::checked_arithmetic;
 use crate::hardship;
 use crate::latex;
@@ -16,7 +17,7 @@ use crate::tidy;
 use crate::web::{self, gltf};
 
 /// Checks of every run. A check that needs a tool of its own declares it in `needs`.
-const STEPS: [Step; 10] = [
+const STEPS: [Step; 11] = [
     Step {
         name: "format",
         needs: |here| component(here, "fmt", "rustfmt"),
@@ -38,6 +39,7 @@ const STEPS: [Step; 10] = [
         needs: |_| Readiness::Ready,
         action: |here| step::succeed(here.cargo(&["test", "--release", "--doc", "--workspace"])),
     },
+    Step { name: "certificates", needs: certificate_checker::readiness, action: certificate_checker::check },
     Step { name: "glTF", needs: gltf::readiness, action: gltf::check },
     Step { name: "web", needs: web::readiness, action: web::check },
     Step { name: "C and C++", needs: c_api::readiness, action: c_api::check },
