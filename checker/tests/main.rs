@@ -4,6 +4,10 @@ use cranny_check::{check, sha256};
 
 const SLIDE: &str = include_str!("certificates/slide.cert");
 
+/// A mobile arm of 9 joints reaches a ball under a table, in straight edges and along rounded corners: written by a script from
+/// the URDF, the scenario and a plan file, without Cranny.
+const ARM: &str = include_str!("certificates/arm.cert");
+
 /// Returns a certificate with other lines, and with the hash of its scene.
 fn changed(from: &str, to: &str) -> String {
     assert!(SLIDE.contains(from), "{from}");
@@ -35,6 +39,16 @@ fn a_certificate_that_holds_is_accepted() {
     let scene = &found.scenes[0];
     assert_eq!((scene.paths, scene.pieces, scene.pairs, found.planes), (1, 1, 8, 12));
     assert_eq!(scene.exceptions, ["keep cart floor 0.02", "skip cart arm adjacent-touching"]);
+}
+
+#[test]
+fn the_certificate_of_an_arm_is_accepted_and_not_for_a_greater_distance() {
+    let found = check(ARM).unwrap();
+    let scene = &found.scenes[0];
+    assert_eq!((scene.paths, scene.pieces, scene.pairs, found.planes), (2, 5, 88, 676));
+    let more = with_hash(&ARM.replacen("margin 1e-05", "margin 0.01", 1)).unwrap();
+    let fault = check(&more).unwrap_err();
+    assert!(!fault.is_malformed && fault.reason.contains("apart"), "{fault:?}");
 }
 
 #[test]
