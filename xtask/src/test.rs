@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use crate::c_api;
+use crate::certificate_checker;
 use crate::checked_arithmetic;
 use crate::hardship;
 use crate::latex;
@@ -38,6 +39,7 @@ const STEPS: [Step; 11] = [
         needs: |_| Readiness::Ready,
         action: |here| step::succeed(here.cargo(&["test", "--release", "--doc", "--workspace"])),
     },
+    Step { name: "certificates", needs: certificate_checker::readiness, action: certificate_checker::check },
     Step { name: "glTF", needs: gltf::readiness, action: gltf::check },
     Step { name: "films", needs: films::readiness, action: films::check },
     Step { name: "web", needs: web::readiness, action: web::check },

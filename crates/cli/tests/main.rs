@@ -14,6 +14,7 @@ mod bench;
 mod bench_report;
 #[cfg(unix)]
 mod campaigns;
+mod certificates;
 #[cfg(target_os = "linux")]
 mod cheating_planners;
 #[cfg(target_os = "linux")]

@@ -167,7 +167,7 @@ impl Cell {
     }
 
     /// Returns the parts of all bodies, each with the index of its body.
-    pub(crate) fn parts(&self) -> &[(usize, Part)] {
+    pub fn parts(&self) -> &[(usize, Part)] {
         &self.around.parts
     }
 

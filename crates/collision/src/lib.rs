@@ -18,6 +18,7 @@ pub use cell::{Cell, Scratch};
 pub use error::CollisionError;
 pub use margins::Margins;
 pub use pair::closest::Closest;
+pub use pair::demanded_pair::{DemandedOther, DemandedPair};
 pub use pair::exempt_pair::{ExemptPair, UncheckedReason};
 pub use pair::pair_distance::PairDistance;
 pub use pair::pair_group::PairGroup;

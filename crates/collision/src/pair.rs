@@ -1,6 +1,7 @@
 //! Collision pairs: checked pairs, exempt pairs, and the nearest pair.
 
 pub(crate) mod closest;
+pub(crate) mod demanded_pair;
 pub(crate) mod exempt_pair;
 pub(crate) mod pair_choice;
 pub(crate) mod pair_distance;

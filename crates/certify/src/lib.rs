@@ -1,0 +1,14 @@
+#![doc = include_str!("../README.md")]
+
+mod certificate;
+mod error;
+mod gap;
+mod joint_curve;
+mod model;
+mod moment;
+mod pair_tree;
+mod scene_text;
+mod span;
+
+pub use certificate::certificate;
+pub use error::CertifyError;
