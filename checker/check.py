@@ -15,26 +15,22 @@ ONE = 1 << S
 HALF = (ONE // 2, ONE // 2)
 ZERO, UNIT = (0, 0), (ONE, ONE)
 LARGEST = 10**6
-MOST = {"joint": 256, "object": 1024, "solid": 1024, "depth": 128, "points": 16, "halvings": 96}
+MOST_HALVINGS = 96
 MOST_WORK = 20_000_000
 SIZES = {"box": 3, "ball": 1, "capsule": 2, "cylinder": 2, "half": 0, "hull": 1, "mesh": 0}
 
 
 NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.ASCII | re.IGNORECASE)
-PLANE = re.compile(r"(-?[0-9]{1,5}),(-?[0-9]{1,5}),(-?[0-9]{1,5})", re.ASCII)
+PLANE = re.compile(r"-?[0-9]{1,5},-?[0-9]{1,5},-?[0-9]{1,5}", re.ASCII)
 
 
 class Refused(Exception):
-    """A line that does not hold."""
-
-
-class Malformed(Exception):
-    """A line that is not of the format."""
+    """The reason why a line is not of the format, or does not hold."""
 
 
 def unless(holds, reason):
     if not holds:
-        raise Malformed(reason)
+        raise Refused(reason)
 
 
 # (1) Intervals: pairs of whole numbers, rounded outwards.
@@ -62,6 +58,11 @@ def mul(a, b):
     return (min(products) >> S, -(-max(products) >> S))
 
 
+def up(a, b):
+    """Returns an upper bound of a product of two bounds that are not negative."""
+    return -(-a * b >> S)
+
+
 def over(a, b):
     unless(b[0] > 0, "a division by zero")
     return (min(a[0] * ONE // b[0], a[0] * ONE // b[1]), max(-(-a[1] * ONE // b[0]), -(-a[1] * ONE // b[1])))
@@ -82,10 +83,8 @@ def square(a):
 
 
 def total(values):
-    low = high = 0
-    for value in values:
-        low, high = low + value[0], high + value[1]
-    return (low, high)
+    ends = list(zip(*values))
+    return (sum(ends[0]), sum(ends[1]))
 
 
 def dot(a, b):
@@ -176,16 +175,30 @@ def numbers(words, count):
     return [number(word) for word in words]
 
 
+def sizes(words, count):
+    found = numbers(words, count)
+    unless(all(size >= 0 for size in found), "a size is not negative")
+    return found
+
+
 def index(word, below):
     unless(len(word) <= 9 and word.isascii() and word.isdigit() and int(word) < below, "an index out of range")
     return int(word)
+
+
+def unit(words):
+    """Returns the unit vector of a direction."""
+    axis = [exact(x) for x in numbers(words, 3)]
+    long = length(axis)
+    unless(long[0] * 1000 > ONE and long[1] < 1000 * ONE, "an axis has a length near 1")
+    return [over(x, long) for x in axis]
 
 
 def pose(words):
     """Returns rotation and translation of x y z qw qx qy qz; the quaternion is scaled to length 1."""
     x, y, z, w, a, b, c = numbers(words, 7)
     s = w * w + a * a + b * b + c * c
-    unless(Fraction(1, 10**6) < s < 10**6, "a quaternion must have a length near 1")
+    unless(Fraction(1, 10**6) < s < 10**6, "a quaternion has a length near 1")
     rows = [
         [1 - 2 * (b * b + c * c) / s, 2 * (a * b - c * w) / s, 2 * (a * c + b * w) / s],
         [2 * (a * b + c * w) / s, 1 - 2 * (a * a + c * c) / s, 2 * (b * c - a * w) / s],
@@ -204,9 +217,23 @@ IDENTITY = ([[UNIT, ZERO, ZERO], [ZERO, UNIT, ZERO], [ZERO, ZERO, UNIT]], [ZERO]
 class Solid:
     """A solid with its pose in the object; points are whole multiples of 2^-96, to one unit."""
 
-    def __init__(self, kind, placed, sizes):
-        self.kind, self.pose, self.sizes = kind, placed, [exact(size) for size in sizes]
-        self.inverse, self.points, self.faces = transposed(placed[0]), [], []
+    def __init__(self, lines):
+        self.kind, self.points, self.faces = lines.kind(), [], []
+        words = lines.read(self.kind)
+        self.pose, self.sizes = pose(words[:7]), [exact(x) for x in sizes(words[7:], SIZES[self.kind])]
+        self.inverse = transposed(self.pose[0])
+        while lines.kind() == "v" and self.kind in ("hull", "mesh"):
+            self.points.append([exact(x)[0] for x in numbers(lines.read("v"), 3)])
+        while lines.kind() == "f" and self.kind == "mesh":
+            self.faces.append([index(word, len(self.points)) for word in lines.read("f", 3)])
+        # The box around the solid, in the frame of the object.
+        if self.kind in ("hull", "mesh"):
+            unless(self.points and bool(self.faces) == (self.kind == "mesh"), "a solid without points or faces")
+            self.largest = [max(abs(point[i]) for point in self.points) + 1 for i in range(3)]
+        if self.kind != "half":
+            axis = lambda i, sign: [(sign * ONE,) * 2 if j == i else ZERO for j in range(3)]
+            whole = (0, len(self.faces))
+            self.box = [[s * self.support(axis(i, s), whole) for i in range(3)] for s in (-1, 1)]
 
     def support(self, n, faces):
         """(4) Returns an upper bound of n·p over the solid, or these faces."""
@@ -219,7 +246,7 @@ class Solid:
         if self.kind in ("capsule", "cylinder"):
             across = length(m if self.kind == "capsule" else m[:2])
             return base + add(mul(mag(m[2]), h[0]), mul(across, h[1]))[1]
-        unless(self.kind in ("hull", "mesh"), "a half-space needs its own plane")
+        unless(self.kind != "half", "a half-space needs its own plane")
         points = self.points
         if faces != (0, len(self.faces)):
             points = [points[i] for i in {i for face in self.faces[faces[0] : faces[1]] for i in face}]
@@ -230,21 +257,13 @@ class Solid:
         base += ((far + error) >> S) + 1
         return base + (mul(length(m), h[0])[1] if self.kind == "hull" else 0)
 
-    def finish(self):
-        """Computes the box around the solid, in the frame of the object."""
-        if self.kind in ("hull", "mesh"):
-            unless(self.points and bool(self.faces) == (self.kind == "mesh"), "a solid without points or faces")
-            self.largest = [max(abs(point[i]) for point in self.points) + 1 for i in range(3)]
-        if self.kind != "half":
-            axis = lambda i, sign: [(sign * ONE,) * 2 if j == i else ZERO for j in range(3)]
-            whole = (0, len(self.faces))
-            self.box = [[s * self.support(axis(i, s), whole) for i in range(3)] for s in (-1, 1)]
-
 
 class Object:
+    """A link or a body."""
+
     def __init__(self, name, is_body):
-        self.name, self.is_body, self.solids = name, is_body, []
-        self.parent, self.pose, self.motion, self.depth, self.lines = None, IDENTITY, None, 0, []
+        self.name, self.is_body, self.solids, self.lines = name, is_body, [], []
+        self.parent, self.pose, self.motion = None, IDENTITY, None
 
     def span(self, begin, end):
         return (begin, end, 0, len(self.solids[begin].faces) if end == begin + 1 else 0)
@@ -277,96 +296,100 @@ class Object:
         return [(c, c) for c in center], length(half)
 
 
+class Lines:
+    """Lines of a certificate; `number` is that of the line that was read last, from 1."""
+
+    def __init__(self, text):
+        self.lines, self.at, self.number = text.split("\n"), 0, 1
+        self.lines[-1] = ""  # What follows the last line feed is no line.
+
+    def kind(self):
+        return self.lines[self.at].split(" ")[0]
+
+    def read(self, kind, count=None):
+        """Returns the words after this first word, of which there must be so many."""
+        self.number = self.at + 1
+        first, *words = self.lines[self.at].split(" ")
+        unless(first == kind != "", f"a line `{kind}` is missing here, or this one is of no known kind")
+        unless(all(words) and count in (None, len(words)), "a count of words that is not expected")
+        self.at += 1
+        return words
+
+
 class Scene:
-    """Robot, world and rules, read line by line."""
+    """Robot, world and rules."""
 
-    def __init__(self, before):
-        self.name, self.joints, self.objects, self.before, self.hash, self.paths = None, [], [], before, None, 0
-        self.margin = self.start = self.tip = self.open = None
-        self.pairs_apart, self.goals, self.exceptions, self.pairs = {}, [], [], []
+    def __init__(self, lines):
+        begin = lines.at
+        (self.name,) = lines.read("scene", 1)
+        self.limits, self.objects, self.distances, self.exceptions, self.bounds = [], [], {}, [], []
+        while lines.kind() == "joint":
+            self.limits.append(numbers(lines.read("joint", 3)[1:], 2))
+        while lines.kind() in ("link", "body"):
+            self.read_object(lines)
+        self.margin_word = lines.read("margin", 1)
+        (self.margin,) = sizes(self.margin_word, 1)
+        while lines.kind() in ("keep", "skip"):
+            self.read_exception(lines.kind(), *lines.read(lines.kind(), 3))
+        while lines.kind() in ("cone", "inside", "near"):
+            self.read_bound(lines.kind(), *lines.read(lines.kind()))
+        self.start = numbers(lines.read("start"), len(self.limits))
+        self.tip = index(lines.read("tip", 1)[0], len(self.objects))
+        unless(self.limits and not self.objects[self.tip].is_body, "no joint, or the tip is no link")
+        self.goals = [pose(lines.read("goal", 8)[1:])]
+        while lines.kind() == "goal":
+            self.goals.append(pose(lines.read("goal", 8)[1:]))
+        text = "".join(line + "\n" for line in lines.lines[begin : lines.at])
+        self.hash = hashlib.sha256(text.encode()).hexdigest()
+        unless(lines.read("hash", 1) == [self.hash], f"the scene has the hash {self.hash}")
+        unless(len(self.objects) <= 4096, "more work than a certificate may take")
+        self.list_pairs()
 
-    def line(self, words):
-        kind, rest = words[0], words[1:]
-        if self.objects and kind in ("v", "f"):
-            self.objects[-1].lines.append(" ".join(words))
-        if self.open and kind in ("v", "f") and self.open.kind in ("hull", "mesh"):
-            if kind == "v":
-                unless(not self.open.faces, "a vertex after a face")
-                self.open.points.append([exact(x)[0] for x in numbers(rest, 3)])
-            else:
-                unless(self.open.kind == "mesh" and len(rest) == 3, "a face has three vertices")
-                self.open.faces.append(tuple(index(word, len(self.open.points)) for word in rest))
-            return
-        self.close()
-        has_place = self.margin is None and len(self.objects) < MOST["object"]
-        if kind in SIZES:
-            self.solid(kind, rest)
-        elif kind == "body" and len(rest) == 1 and has_place:
-            self.objects.append(Object(rest[0], True))
-        elif kind == "link" and len(rest) >= 10 and has_place:
-            self.link(*rest)
-        else:
-            self.rule(kind, rest)
-            return
-        self.objects[-1].lines.append(" ".join(words))
+    def read_object(self, lines):
+        begin = lines.at
+        known = Object(lines.read("body", 1)[0], True) if lines.kind() == "body" else self.link(*lines.read("link"))
+        while lines.kind() in SIZES:
+            unless(known.is_body or lines.kind() != "half", "a link cannot be a half-space")
+            known.solids.append(Solid(lines))
+        known.lines = lines.lines[begin : lines.at]
+        self.objects.append(known)
 
-    def close(self):
-        if self.open:
-            self.open.finish()
-            self.open = None
-
-    def rule(self, kind, rest):
-        """Reads a line that is neither an object nor a solid."""
-        count, is_rule = len(rest), self.margin is not None
-        if kind == "scene" and count == 1 and not self.name:
-            self.name = rest[0]
-        elif kind == "joint" and count == 3 and not self.objects and len(self.joints) < MOST["joint"]:
-            self.joints.append((rest[0], number(rest[1]), number(rest[2])))
-        elif kind == "margin" and not is_rule:
-            (self.margin,) = numbers(rest, 1)
-            unless(self.margin >= 0, "a margin is not negative")
-        elif kind in ("keep", "skip") and is_rule and count == 3:
-            pair = tuple(index(word, len(self.objects)) for word in rest[:2])
-            unless(pair[0] < pair[1] and pair not in self.pairs_apart, "each pair once, the lower index first")
-            self.pairs_apart[pair] = number(rest[2]) if kind == "keep" else None
-            self.exceptions.append(" ".join([kind, *(self.objects[i].name for i in pair), rest[2]]))
-        elif kind == "start" and self.start is None:
-            self.start = numbers(rest, len(self.joints))
-        elif kind == "tip" and is_rule and self.tip is None and count == 1:
-            self.tip = index(rest[0], len(self.objects))
-        elif kind == "goal" and is_rule and count == 8:
-            self.goals.append(pose(rest[1:]))
-        else:
-            raise Malformed("a line of no known kind, or not at this place")
-
-    def link(self, name, parent, *rest):
-        link, links = Object(name, False), len(self.objects)
+    def link(self, name="", parent="", *rest):
+        link = Object(name, False)
         unless(not any(known.is_body for known in self.objects), "links come before bodies")
-        if parent != "-":
-            link.parent = index(parent, links)
-            link.depth = self.objects[link.parent].depth + 1
-        unless(link.depth < MOST["depth"] and (link.parent is None) == (links == 0), "one root")
+        link.parent = index(parent, len(self.objects)) if self.objects else None
+        unless(self.objects or parent == "-", "the first link is the root, with the parent `-`")
         link.pose = pose(rest[:7])
-        if rest[7] in ("turn", "slide"):
-            unless(len(rest) == 14, "a joint: INDEX FACTOR OFFSET AXIS")
-            factor, offset, *axis = [exact(x) for x in numbers(rest[9:], 5)]
-            long = length(axis)
-            unless(long[0] * 1000 > ONE and long[1] < 1000 * ONE, "an axis must have a length near 1")
-            unit = [over(x, long) for x in axis]
-            link.motion = (rest[7] == "turn", index(rest[8], len(self.joints)), factor, offset, unit)
-        else:
-            unless(rest[7:] == ("fixed",), "a motion that is none")
-        self.objects.append(link)
+        if rest[7:] != ("fixed",):
+            unless(len(rest) == 14 and rest[7] in ("turn", "slide"), "a motion that is none")
+            factor, offset = [exact(x) for x in numbers(rest[9:11], 2)]
+            link.motion = (rest[7] == "turn", index(rest[8], len(self.limits)), factor, offset, unit(rest[11:]))
+        return link
 
-    def solid(self, kind, rest):
-        unless(self.objects and self.margin is None and len(rest) == 7 + SIZES[kind], "a solid: POSE and sizes")
-        sizes = numbers(rest[7:], SIZES[kind])
-        unless(all(size > 0 or (kind == "hull" and size == 0) for size in sizes), "a size must be positive")
-        owner = self.objects[-1]
-        unless(kind != "half" or owner.is_body, "a link cannot be a half-space")
-        unless(len(owner.solids) < MOST["solid"], "too many solids")
-        self.open = Solid(kind, pose(rest[:7]), sizes)
-        owner.solids.append(self.open)
+    def read_exception(self, kind, a, b, last):
+        pair = index(a, len(self.objects)), index(b, len(self.objects))
+        unless(pair[0] < pair[1] and pair not in self.distances, "each pair once, the lower index first")
+        self.distances[pair] = number(last) if kind == "keep" else None
+        self.exceptions.append(" ".join([kind, *(self.objects[i].name for i in pair), last]))
+
+    def read_bound(self, kind, name="", link="", *rest):
+        """(12) A point or direction of a link, a pose, half extents and a radius around it, of which one is infinite."""
+        of, place, half, radius = index(link, len(self.objects)), IDENTITY, None, None
+        unless(not self.objects[of].is_body, "a bound is of a link")
+        point = [exact(x) for x in numbers(rest[:3], 3)]
+        if kind == "inside":
+            place, half = pose(rest[3:10]), [exact(x)[0] for x in numbers(rest[10:], 3)]
+        else:
+            (radius,) = sizes(rest[6:], 1)
+            place = IDENTITY[0], [exact(x) for x in numbers(rest[3:6], 3)]
+            if kind == "cone":
+                unless(radius <= Fraction(31, 10), "an angle out of range")
+                point, place = unit(rest[:3]), (IDENTITY[0], unit(rest[3:6]))
+                radius = 2 * sin_cos(exact(radius / 2))[0][0]
+            else:
+                radius = exact(radius)[0]
+        self.bounds.append((of, kind == "cone", point, place, half, radius))
+        self.exceptions.append(" ".join([kind, name, link, *rest]))
 
     def chain(self, top, of):
         chain, at = [], None if self.objects[of].is_body else of
@@ -375,29 +398,24 @@ class Scene:
             at = self.objects[at].parent
         return chain[::-1]
 
-    def common(self, a, b):
-        same = [x for x, y in zip(self.chain(None, a), self.chain(None, b)) if x == y]
-        return same[-1] if same else None
-
-    def finish(self, hash_):
-        """Lists the pairs that must be proven, and what differs from the scene before."""
-        self.close()
-        self.hash = hash_
-        if self.before:
-            scene, end = self.before
-            unless(self.start == end, "the scene does not start where the path before it ends")
-            for sign, new, old in (("-", scene, self), ("+", self, scene)):
-                lines = {tuple(known.lines) for known in old.objects}
-                self.exceptions += [f"{sign} {known.name}" for known in new.objects if tuple(known.lines) not in lines]
-            self.before = None
-        unless(self.joints and self.start and self.goals and self.tip is not None, "a scene without start, tip or goal")
-        unless(not self.objects[self.tip].is_body, "the tip is a link")
+    def list_pairs(self):
+        """Lists the pairs that must be proven."""
+        self.pairs = []
         for a, first in enumerate(self.objects):
             for b in range(a + 1, len(self.objects)) if first.solids and not first.is_body else ():
-                top, distance = self.common(a, b), self.pairs_apart.get((a, b), self.margin)
+                same = [x for x, y in zip(self.chain(None, a), self.chain(None, b)) if x == y]
+                top, distance = same[-1] if same else None, self.distances.get((a, b), self.margin)
                 moves = any(self.objects[i].motion for end in (a, b) for i in self.chain(top, end))
                 if self.objects[b].solids and moves and distance is not None:
-                    self.pairs.append((a, b, distance))
+                    self.pairs.append((a, b, top, distance))
+
+    def changes_since(self, before):
+        """Lists the objects that only one of two scenes has with these lines."""
+        changes = []
+        for sign, new, old in (("-", before, self), ("+", self, before)):
+            known = [thing.lines for thing in old.objects]
+            changes += [f"{sign} {thing.name}" for thing in new.objects if thing.lines not in known]
+        return changes
 
 
 def halves(curve):
@@ -444,38 +462,32 @@ class Moment:
 class Moved:
     """A part of an object in a common frame: pose, velocity, and a bound on the acceleration of its points (6)."""
 
-    def __init__(self, scene, moment, top, of, span):
+    def __init__(self, scene, moment, top, of, span, ball=None):
         self.object, self.span, self.pose = scene.objects[of], span, IDENTITY
         joints, before = [], 0
         for i in scene.chain(top, of):
             self.pose = after(self.pose, moment.links[i])
             if scene.objects[i].motion:
                 turns, joint, factor, _, axis = scene.objects[i].motion
-                size = mag(factor)
-                fastest, bend = [mul((most, most), size)[1] for most in (moment.fastest[joint], moment.bend[joint])]
-                rate = mul(moment.rate[joint], factor)
-                joints.append((turns, self.pose[1], times(self.pose[0], axis), rate, fastest, bend, before))
+                fastest, bend = [up(most, mag(factor)[1]) for most in (moment.fastest[joint], moment.bend[joint])]
+                rate, axis = mul(moment.rate[joint], factor), times(self.pose[0], axis)
+                joints.append((turns, self.pose[1], axis, rate, fastest, bend, before))
                 before += fastest if turns else 0
-        self.velocity, self.turn, self.center, self.bend = [ZERO] * 3, [ZERO] * 3, [ZERO] * 3, ZERO
-        if not joints:
+        self.velocity, self.turn, self.center = [ZERO] * 3, [ZERO] * 3, [ZERO] * 3
+        self.bend = self.swing = beyond = 0
+        if not joints and not ball:
             return
-        center, radius = self.object.ball(span)
+        center, radius = ball or self.object.ball(span)
         self.center = plus(times(self.pose[0], center), self.pose[1])
-        beyond = 0
         for turns, origin, axis, rate, fastest, bend, before in reversed(joints):
-            point = lambda x: (x, x)
+            arm, reach, bend = axis, ONE, bend + up(2 * fastest, before)
             if turns:
                 arm = cross(axis, plus(self.center, minus(origin)))
-                reach = (0, length(arm)[1] + radius[1] + beyond // 2 + 1)
-                self.velocity = plus(self.velocity, scaled(arm, rate))
-                self.turn = plus(self.turn, scaled(axis, rate))
-                speed = mul(point(fastest), reach)
-                grown = add(mul(speed, point(fastest + 2 * before)), mul(point(bend), reach))
-            else:
-                self.velocity = plus(self.velocity, scaled(axis, rate))
-                speed = (0, fastest)
-                grown = add(mul(point(2 * fastest), point(before)), point(bend))
-            self.bend, beyond = add(self.bend, grown), beyond + speed[1]
+                reach = length(arm)[1] + radius[1] + beyond // 2 + 1
+                bend += up(fastest, fastest)
+                self.turn, self.swing = plus(self.turn, scaled(axis, rate)), self.swing + bend
+            self.velocity = plus(self.velocity, scaled(arm, rate))
+            self.bend, beyond = self.bend + up(reach, bend), beyond + up(fastest, reach)
 
     def reach(self, n, s):
         """Returns an upper bound of n·(p + s·p'), in units of 2^-96."""
@@ -485,187 +497,173 @@ class Moved:
         return local + sub(rest, dot(turned, self.center))[1]
 
 
-class Path:
-    """Pieces of a path, with their proofs."""
+def normal(mark):
+    unless(PLANE.fullmatch(mark), "a mark that is none")
+    n = [int(word) for word in mark.split(",")]
+    unless(any(n) and all(-32768 <= x <= 32767 for x in n), "a mark that is none")
+    return [(x * ONE, x * ONE) for x in n]
 
-    def __init__(self, scene):
-        self.scene, self.points, self.end, self.next, self.outside = scene, [], None, 0, set()
-        self.moments, self.is_new, self.work = {}, True, 0
 
-    def control_point(self, q):
-        unless(self.next == 0 and len(self.points) < MOST["points"], "a control point at this place")
-        for (name, lower, upper), x in zip(self.scene.joints, q):
-            if not lower <= x <= upper:
-                raise Refused(f"{name} is outside its limits")
-        if not self.points:  # (10)
-            from_, tolerance = (self.scene.start, Fraction(1e-5)) if self.end is None else (self.end, 0)
-            if any(abs(a - b) > tolerance for a, b in zip(q, from_)):
-                raise Refused("the piece does not begin where the path is")
-        self.points.append(q)
+class Piece:
+    """A piece of a path, with its proofs."""
 
-    def pair(self, words):
-        unless(len(self.points) >= 2 and len(words) >= 2, "a pair before two control points")
-        stated = tuple(index(word, len(self.scene.objects)) for word in words[:2])
-        if self.next >= len(self.scene.pairs) or self.scene.pairs[self.next][:2] != stated:
-            raise Refused("the proof of another pair is missing")
-        self.prove(*self.scene.pairs[self.next], words[2:])
-        self.next += 1
+    def __init__(self, scene, points, outside):
+        self.scene, self.outside, self.moments, self.work = scene, outside, {}, 0
+        self.curve = [[exact(x) for x in q] for q in points]
 
-    def prove(self, a, b, margin, marks):
-        """(8) Walks through the tree of a pair in prefix order."""
+    def leaves(self, a, b, marks):
+        """(8) Walks through a tree in prefix order: yields each leaf with its moment and the parts of both objects."""
         objects = self.scene.objects[a], self.scene.objects[b]
-        curve = [[exact(x) for x in q] for q in self.points]
-        stack, plane = [(curve, "", objects[0].whole(), objects[1].whole(), 0)], None
-        for mark in marks:
-            unless(stack, "more marks than the proof has nodes")
+        size = sum(len(solid.points) + len(solid.faces) + 100 for known in objects for solid in known.solids)
+        stack, marks = [(self.curve, "", objects[0].whole(), objects[1].whole(), 0)], iter(marks)
+        while stack:
             curve, time, of_a, of_b, depth = stack.pop()
-            unless(depth < MOST["halvings"] and len(time) <= 60, "too many halvings")
+            mark = next(marks, None)
+            unless(mark is not None and depth < MOST_HALVINGS, "a mark is missing, or too many halvings")
+            self.work += size + len(self.scene.objects)
+            unless(self.work <= MOST_WORK, "more work than a piece may take")
             if mark == "h":
                 first, second = halves(curve)
                 stack += [(second, time + "1", of_a, of_b, depth + 1), (first, time + "0", of_a, of_b, depth + 1)]
-            elif mark == "a":
-                stack += [(curve, time, part, of_b, depth + 1) for part in objects[0].halves(of_a)[::-1]]
-            elif mark == "b":
-                stack += [(curve, time, of_a, part, depth + 1) for part in objects[1].halves(of_b)[::-1]]
+            elif mark in ("a", "b"):
+                one, two = objects["ab".index(mark)].halves(of_a if mark == "a" else of_b)
+                parts = [(two, of_b), (one, of_b)] if mark == "a" else [(of_a, two), (of_a, one)]
+                stack += [(curve, time, *part, depth + 1) for part in parts]
             else:
-                if mark not in ("~", "="):
-                    plane = self.normal(mark)
-                unless(plane or mark == "=", "no plane before")
-                whole = objects[0].has_whole_meshes(of_a) and objects[1].has_whole_meshes(of_b)
-                unless(margin >= 0 or whole, "an allowed overlap needs planes for the whole mesh")
-                sizes = [len(solid.points) + len(solid.faces) + 100 for known in objects for solid in known.solids]
-                self.work += sum(sizes) + len(self.scene.objects)
-                unless(self.work <= MOST_WORK, "more work than a path may take")
                 if time not in self.moments:
                     self.moments[time] = Moment(self.scene, curve)
-                self.separates(a, b, margin, self.moments[time], of_a, of_b, None if mark == "=" else plane)
-                if whole and any(solid.faces for known in objects for solid in known.solids):
-                    self.outside |= {(a, b, i, j) for i in range(*of_a[:2]) for j in range(*of_b[:2])}
-        if stack:
-            raise Refused("the proof ends before it covers the piece")
+                yield mark, self.moments[time], of_a, of_b
+        unless(next(marks, None) is None, "more marks than the proof has nodes")
 
-    @staticmethod
-    def normal(mark):
-        found = PLANE.fullmatch(mark)
-        unless(found, "a mark that is none")
-        n = [int(word) for word in found.groups()]
-        unless(any(n) and all(-32768 <= x <= 32767 for x in n), "a mark that is none")
-        return [(x * ONE, x * ONE) for x in n]
+    def prove(self, pair, marks):
+        a, b, _, margin = pair
+        objects, plane = (self.scene.objects[a], self.scene.objects[b]), None
+        for mark, moment, of_a, of_b in self.leaves(a, b, marks):
+            if mark not in ("~", "="):
+                plane = normal(mark)
+            unless(plane or mark == "=", "no plane before")
+            whole = objects[0].has_whole_meshes(of_a) and objects[1].has_whole_meshes(of_b)
+            unless(margin >= 0 or whole, "an allowed overlap needs planes for whole meshes")
+            self.separates(pair, moment, of_a, of_b, None if mark == "=" else plane)
+            if whole:
+                self.outside |= {(a, b, i, j) for i in range(*of_a[:2]) for j in range(*of_b[:2])}
 
-    def separates(self, a, b, margin, moment, of_a, of_b, n):
+    def separates(self, pair, moment, of_a, of_b, n):
         """(7) Checks that the plane keeps both parts apart along the interval."""
-        top = self.scene.common(a, b)
+        a, b, top, margin = pair
         first, second = Moved(self.scene, moment, top, a, of_a), Moved(self.scene, moment, top, b, of_b)
         floor = None
         if n is None:
             solid = second.object.solids[of_b[0]]
             unless(of_b[1] == of_b[0] + 1 and solid.kind == "half", "no half-space")
-            up = [row[2] for row in solid.pose[0]]
-            n, floor = minus(up), dot(up, solid.pose[1])[1]
-        bend = mul(add(first.bend, second.bend), exact(Fraction(1, 8)))
-        needed = mul(length(n), add(exact(margin), bend))[1]
+            upward = [row[2] for row in solid.pose[0]]
+            n, floor = minus(upward), dot(upward, solid.pose[1])[1]
+        bend = (first.bend + second.bend) // 8 + 1
+        needed = mul(length(n), add(exact(margin), (0, bend)))[1]
         for s in (neg(HALF), HALF):
             gap = -(first.reach(n, s) + (second.reach(minus(n), s) if floor is None else floor))
-            if not gap > needed:
-                names = f"{first.object.name} and {second.object.name}"
-                raise Refused(f"the plane does not keep {names} apart: {float(needed - gap) / ONE:.3g} are missing")
+            missing = float(needed - gap) / ONE
+            unless(gap > needed, f"the plane does not keep both parts apart: {missing:.3g} are missing")
 
-    def end_piece(self):
-        unless(len(self.points) >= 2, "a piece without two control points")
-        if self.next < len(self.scene.pairs):
-            raise Refused("the proof of a pair is missing")
-        self.end, self.points, self.next, self.moments = self.points[-1], [], 0, {}
-
-    def end_path(self):
-        self.end_piece()
-        moment = Moment(self.scene, [[exact(x) for x in self.end]] * 2)
-        tip = IDENTITY
-        for i in self.scene.chain(None, self.scene.tip):
-            tip = after(tip, moment.links[i])
-        degree = sin_cos(mul((2 * QUARTER[0], 2 * QUARTER[1]), exact(Fraction(1, 180))))[1]
-        for rotation, place in self.scene.goals:  # (11)
-            far = total(square(sub(x, y)) for x, y in zip(tip[1], place))
-            trace = total(dot(x, y) for x, y in zip(tip[0], rotation))
-            if far[1] <= exact(Fraction(1, 10**6))[0] and trace[0] >= ONE + 2 * degree[1]:
-                break
-        else:
-            raise Refused("the path ends at no goal")
-        for a, b, _ in self.scene.pairs:  # (9)
-            for i, of_a in enumerate(self.scene.objects[a].solids):
-                for j, of_b in enumerate(self.scene.objects[b].solids):
-                    if (of_a.faces or of_b.faces) and (a, b, i, j) not in self.outside:
-                        raise Refused("no plane shows that two solids are not inside each other")
+    def prove_bound(self, bound, marks):
+        """(12) Checks that a point or direction stays near its place."""
+        of, is_direction, point, (turn, place), half, radius = bound
+        for mark, moment, _, _ in self.leaves(of, of, marks):
+            unless(mark == ".", "a mark that is none")
+            moved = Moved(self.scene, moment, None, of, (0, 0, 0, 0), (point, ZERO))
+            at, rate, bend = moved.center, moved.velocity, moved.bend
+            if is_direction:
+                at = times(moved.pose[0], point)
+                rate, bend = cross(moved.turn, at), moved.swing
+            rest = bend // 8 + 1
+            for s in (neg(HALF), HALF):
+                off = plus(plus(at, minus(place)), scaled(rate, s))
+                inside = [mag(x)[1] + rest for x in times(transposed(turn), off)]
+                holds = length(off)[1] + rest < radius if half is None else all(x < h for x, h in zip(inside, half))
+                unless(holds, "a bound is not shown to be kept")
 
 
-def check(text, report):
-    """Checks a certificate line by line; `report` receives the number of each line."""
-    unless(text.endswith("\n"), "a line without an end")
-    lines = text[:-1].split("\n")
-    unless(lines[0] == "cranny-certificate/1", "the format is not `cranny-certificate/1`")
-    found, scene, path, count, begin = [], None, None, 0, 1
-    for at, line in enumerate(lines[1:], 1):
-        report(at + 1)
-        words = line.split(" ")
-        if words[0] == "end" or (words[0] == "scene" and (scene is None or scene.hash)):
-            if scene:
-                unless(path, "no path")
-                path.end_path()
-            if line == "end":
-                unless(scene and scene.hash and at + 1 == len(lines), "an end at another place")
-                return found
-            scene, path, begin = Scene(scene and (scene, path.end)), None, at
-            unless(sum(len(known.objects) ** 2 for known in found) < 4 * MOST["object"] ** 2, "too many objects")
-        if scene is None or not scene.hash:
-            unless(scene, "a scene begins with its name")
-            if words[0] == "hash":
-                hash_ = hashlib.sha256("".join(line + "\n" for line in lines[begin:at]).encode()).hexdigest()
-                if words[1:] != [hash_]:
-                    raise Refused(f"the scene has the hash {hash_}")
-                scene.finish(hash_)
-                found.append(scene)
-            else:
-                scene.line(words)
-        elif words[0] == "path":
-            if path:
-                path.end_path()
-            path, scene.paths = Path(scene), scene.paths + 1
-        elif line == "piece" and path:
-            if not path.is_new:
-                path.end_piece()
-            path.is_new = False
-        elif words[0] == "q" and path and not path.is_new:
-            path.control_point(numbers(words[1:], len(scene.joints)))
-        elif words[0] == "p" and path:
-            path.pair(words[1:])
-        else:
-            raise Malformed("a line of no known kind, or not at this place")
-    raise Malformed("the certificate has no end")
+def check_path(lines, scene):
+    """Checks a path (10), and returns the number of its pieces and its end."""
+    lines.read("path", 1)
+    end, pieces, outside = None, 0, set()
+    while not pieces or lines.kind() == "piece":
+        lines.read("piece", 0)
+        points = []
+        while len(points) < 2 or lines.kind() == "q":
+            points.append(numbers(lines.read("q"), len(scene.limits)))
+            within = all(lower <= x <= upper for (lower, upper), x in zip(scene.limits, points[-1]))
+            unless(within, "a joint is outside its limits")
+        from_, tolerance = (scene.start, Fraction(1e-5)) if end is None else (end, 0)
+        is_there = all(abs(a - b) <= tolerance for a, b in zip(points[0], from_))
+        unless(is_there, "the piece does not begin where the path is")
+        piece = Piece(scene, points, outside)
+        for pair in scene.pairs:
+            words = lines.read("p")
+            unless(words[:2] == [str(pair[0]), str(pair[1])], "the proof of another pair is missing")
+            piece.prove(pair, words[2:])
+        for i, bound in enumerate(scene.bounds):
+            words = lines.read("b")
+            unless(words[:1] == [str(i)], "the proof of another bound is missing")
+            piece.prove_bound(bound, words[1:])
+        end, pieces = points[-1], pieces + 1
+    check_end(scene, end)
+    solids = lambda i: len(scene.objects[i].solids)
+    complete = len(outside) == sum(solids(a) * solids(b) for a, b, *_ in scene.pairs)  # (9)
+    unless(complete, "no plane shows that two objects are not inside each other")
+    return pieces, end
+
+
+def check_end(scene, end):
+    """(11) Checks that the tip is at a goal."""
+    moment = Moment(scene, [[exact(x) for x in end]] * 2)
+    tip = IDENTITY
+    for i in scene.chain(None, scene.tip):
+        tip = after(tip, moment.links[i])
+    degree = sin_cos(mul((2 * QUARTER[0], 2 * QUARTER[1]), exact(Fraction(1, 180))))[1]
+    for rotation, place in scene.goals:
+        far = total(square(sub(x, y)) for x, y in zip(tip[1], place))
+        trace = total(dot(x, y) for x, y in zip(tip[0], rotation))
+        if far[1] <= exact(Fraction(1, 10**6))[0] and trace[0] >= ONE + 2 * degree[1]:
+            return
+    raise Refused("the path ends at no goal")
+
+
+def check(lines):
+    """Checks a certificate, and returns in lines what it has shown of each scene."""
+    lines.read("cranny-certificate/1", 0)
+    found, before, end = [], None, None
+    while not before or lines.kind() == "scene":
+        scene = Scene(lines)
+        changes = scene.changes_since(before) if before else []
+        unless(not before or scene.start == end, "the scene does not start where the path before it ends")
+        paths = pieces = 0
+        while not paths or lines.kind() == "path":
+            count, end = check_path(lines, scene)
+            paths, pieces = paths + 1, pieces + count
+        found += [f"scene {scene.name} {scene.hash}", f"paths {paths}, of {pieces} pieces"]
+        found += [f"pairs {len(scene.pairs)}, at least {scene.margin_word[0]} m apart", *scene.exceptions, *changes]
+        before = scene
+    lines.read("end", 0)
+    unless(lines.at + 1 == len(lines.lines), "a line after the end")
+    return found
 
 
 def main(arguments):
     if len(arguments) != 2:
         print("usage: check.py FILE", file=sys.stderr)
         return 2
-    at = [1]
     try:
         with open(arguments[1], "rb") as file:
-            data = file.read((64 << 20) + 1)
-        unless(len(data) <= 64 << 20, "more than 64 MiB")
-        scenes = check(data.decode(), lambda line: at.__setitem__(0, line))
+            lines = Lines(file.read(64 << 20).decode())  # A longer file lacks its end.
+        print("certified", *check(lines), sep="\n  ")
+        return 0
+    except Refused as fault:
+        print(f"not certified: {arguments[1]}:{lines.number}: {fault}")
+        return 1
     except (OSError, UnicodeDecodeError) as fault:
         print(f"{arguments[1]}: {fault}", file=sys.stderr)
         return 2
-    except Malformed as fault:
-        print(f"{arguments[1]}:{at[0]}: {fault}", file=sys.stderr)
-        return 2
-    except Refused as fault:
-        print(f"not certified: {arguments[1]}:{at[0]}: {fault}")
-        return 1
-    print("certified")
-    for scene in scenes:
-        print(f"  scene       {scene.name} {scene.hash}\n  paths       {scene.paths}\n  pairs       {len(scene.pairs)}")
-        print("".join(f"  {line}\n" for line in scene.exceptions), end="")
-    return 0
 
 
 if __name__ == "__main__":

@@ -1,38 +1,22 @@
 //! SHA-256 (FIPS 180-4), for the hash of a scene.
 
-/// Primes from 2 on, whose roots give the constants.
-fn primes(count: usize) -> Vec<u64> {
-    let is_prime = |n: &u64| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0);
-    (2..).filter(is_prime).take(count).collect()
-}
-
-/// Returns the first 32 bits of the fraction of the root of this degree.
-fn fraction(prime: u64, degree: u32) -> u32 {
-    // Greatest r with r^degree <= prime · 2^(32·degree).
-    let target = u128::from(prime) << (32 * degree);
-    let mut root: u128 = 0;
-    for bit in (0..36).rev() {
-        let next = root | 1 << bit;
-        if next.pow(degree) <= target {
-            root = next;
-        }
-    }
-    root as u32
+/// Returns the first 32 bits of the fraction of a root, for each of the first primes.
+fn fractions(count: usize, root: fn(f64) -> f64) -> Vec<u32> {
+    let is_prime = |n: &u32| (2..*n).all(|d| n % d != 0);
+    let primes = (2..).filter(is_prime).take(count);
+    primes.map(|prime| (root(f64::from(prime)).fract() * 4_294_967_296.0) as u32).collect()
 }
 
 /// Returns the hash of some bytes, as 64 hexadecimal digits.
 pub fn sha256(bytes: &[u8]) -> String {
-    let k: Vec<u32> = primes(64).into_iter().map(|prime| fraction(prime, 3)).collect();
-    let mut h: Vec<u32> = primes(8).into_iter().map(|prime| fraction(prime, 2)).collect();
+    let (k, mut h) = (fractions(64, f64::cbrt), fractions(8, f64::sqrt));
     let mut rest = bytes.chunks_exact(64).remainder().to_vec();
     rest.push(0x80);
-    while rest.len() % 64 != 56 {
-        rest.push(0);
-    }
+    rest.resize((rest.len() + 8).next_multiple_of(64) - 8, 0);
     rest.extend((8 * bytes.len() as u64).to_be_bytes());
     for block in bytes.chunks_exact(64).chain(rest.chunks_exact(64)) {
-        let mut w: Vec<u32> =
-            block.chunks_exact(4).map(|b| u32::from_be_bytes([b[0], b[1], b[2], b[3]])).collect();
+        let word = |b: &[u8]| b.iter().fold(0, |word: u32, byte| word << 8 | u32::from(*byte));
+        let mut w: Vec<u32> = block.chunks_exact(4).map(word).collect();
         for t in 16..64 {
             let (a, b) = (w[t - 15], w[t - 2]);
             let s0 = a.rotate_right(7) ^ a.rotate_right(18) ^ a >> 3;

@@ -3,7 +3,7 @@
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// Closed interval. One with an infinite end contains every real number: no inequality that needs it can be proven.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Interval {
     pub lo: f64,
     pub hi: f64,
@@ -27,9 +27,9 @@ impl Interval {
         if lo >= -LARGEST && hi <= LARGEST && lo <= hi { Self { lo, hi } } else { UNKNOWN }
     }
 
-    /// Returns the interval from −x to x.
-    fn up_to(x: f64) -> Self {
-        Self::of(-x, x)
+    /// Returns the interval widened by ± x.
+    fn widened(self, x: f64) -> Self {
+        self + Self::of(-x, x)
     }
 
     pub fn middle(self) -> f64 {
@@ -37,13 +37,8 @@ impl Interval {
     }
 
     pub fn magnitude(self) -> Self {
-        if self.lo >= 0.0 {
-            self
-        } else if self.hi <= 0.0 {
-            -self
-        } else {
-            Self::of(0.0, self.hi.max(-self.lo))
-        }
+        let least = self.lo.max(-self.hi).max(0.0);
+        Self::of(least, self.hi.max(-self.lo))
     }
 
     pub fn max(self, other: Self) -> Self {
@@ -67,7 +62,7 @@ impl Interval {
             return UNKNOWN;
         }
         let ends = [self.lo / divisor.lo, self.lo / divisor.hi, self.hi / divisor.lo, self.hi / divisor.hi];
-        if self == ZERO { self } else { around(ends) }
+        if self == ZERO { ZERO } else { around(ends) }
     }
 
     /// Encloses sine and cosine (2).
@@ -79,18 +74,12 @@ impl Interval {
         const C1: f64 = f64::from_bits(0x3FF921FB54400000);
         const C2: f64 = f64::from_bits(0x3DD0B4611A600000);
         const C3: f64 = f64::from_bits(0x3BA3198A2E037073);
-        const SIN_REST: f64 = 6e-17;
-        const COS_REST: f64 = 3e-18;
-        let anything = [Self::of(-1.0, 1.0); 2];
         let x = self.middle();
         let k = (x * std::f64::consts::FRAC_2_PI).round();
-        if !(k.abs() <= 1_048_576.0) {
-            return anything;
-        }
         let c3 = Self { lo: C3.next_down(), hi: C3.next_up() };
         let r = (point(x) - point(k * C1)) - point(k * C2) - point(k) * c3;
-        if !(r.magnitude().hi <= 0.79) {
-            return anything;
+        if !(k.abs() <= 1_048_576.0 && r.magnitude().hi <= 0.79) {
+            return [UNKNOWN; 2];
         }
         let square = r.square();
         let nested = |first: u32, last: u32| {
@@ -99,18 +88,9 @@ impl Interval {
                 .step_by(2)
                 .fold(ONE, |inner, i| ONE - (square * inner).over(point(f64::from(i * (i - 1)))))
         };
-        let sine = r * nested(3, 15) + Self::up_to(SIN_REST);
-        let cosine = nested(2, 16) + Self::up_to(COS_REST);
-        let wide = (self - point(x)).magnitude();
-        let widened = |value: Self| {
-            let value = value + Self::up_to(wide.hi);
-            if value.lo > 1.0 || value.hi < -1.0 {
-                anything[0]
-            } else {
-                Self::of(value.lo.max(-1.0), value.hi.min(1.0))
-            }
-        };
-        let [sine, cosine] = [widened(sine), widened(cosine)];
+        let half_width = (self - point(x)).magnitude().hi;
+        let sine = (r * nested(3, 15)).widened(6e-17).widened(half_width);
+        let cosine = nested(2, 16).widened(3e-18).widened(half_width);
         match k.rem_euclid(4.0) as u8 {
             0 => [sine, cosine],
             1 => [cosine, -sine],
@@ -122,12 +102,10 @@ impl Interval {
 
 /// Returns the least interval of neighbouring numbers around four candidates.
 fn around(ends: [f64; 4]) -> Interval {
-    if ends.iter().any(|end| end.is_nan()) {
-        return UNKNOWN;
-    }
-    let lo = ends.iter().copied().fold(f64::INFINITY, f64::min);
-    let hi = ends.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    Interval::of(lo.next_down(), hi.next_up())
+    let is_number = !ends.iter().any(|end| end.is_nan());
+    let lo = ends.into_iter().fold(f64::INFINITY, f64::min);
+    let hi = ends.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    if is_number { Interval::of(lo.next_down(), hi.next_up()) } else { UNKNOWN }
 }
 
 /// Returns the sum and its rounding error, exact unless it overflows (Knuth's two-sum).
@@ -140,10 +118,9 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 impl Add for Interval {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        let (lo, lo_error) = two_sum(self.lo, other.lo);
-        let (hi, hi_error) = two_sum(self.hi, other.hi);
-        let lo = if lo_error == 0.0 { lo } else { lo.next_down() };
-        Self::of(lo, if hi_error == 0.0 { hi } else { hi.next_up() })
+        let ((lo, lo_error), (hi, hi_error)) = (two_sum(self.lo, other.lo), two_sum(self.hi, other.hi));
+        let (below, above) = (lo.next_down(), hi.next_up());
+        Self::of(if lo_error == 0.0 { lo } else { below }, if hi_error == 0.0 { hi } else { above })
     }
 }
 
@@ -164,12 +141,8 @@ impl Sub for Interval {
 impl Mul for Interval {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        // These products are exact.
-        if (self == ZERO && other != UNKNOWN) || other == ONE {
-            return self;
-        }
-        if (other == ZERO && self != UNKNOWN) || self == ONE {
-            return other;
+        if (self == ZERO && other != UNKNOWN) || (other == ZERO && self != UNKNOWN) {
+            return ZERO;
         }
         around([self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi])
     }

@@ -1,25 +1,14 @@
-//! Robot, bodies, pairs, start and goals of a certificate, and the supports of its solids.
+//! Robot, bodies, pairs, bounds, start and goals of a certificate.
 
 use std::collections::{HashMap, HashSet};
 
-use super::interval::{
-    IDENTITY, Interval, Matrix, ONE, ORIGIN, Vector, dot, length, point, scaled, transposed_times,
-};
+use super::digest::sha256;
+use super::interval::{IDENTITY, Interval, Matrix, ONE, ORIGIN, Vector, length, point, scaled};
+use super::lines::{Checked, Lines, unless};
+use super::solid::{Object, Solid};
 
 /// Point or direction with given coordinates.
 pub type Point = [f64; 3];
-
-/// Maximum numbers of joints, of links and bodies together, of solids of one of them, and of links in a chain.
-pub const MOST_JOINTS: usize = 256;
-pub const MOST_OBJECTS: usize = 1024;
-pub const MOST_SOLIDS: usize = 1024;
-pub const MOST_DEPTH: usize = 128;
-
-pub struct Joint {
-    pub name: String,
-    pub lower: f64,
-    pub upper: f64,
-}
 
 /// Pose of one frame in another.
 #[derive(Clone, Copy)]
@@ -34,21 +23,16 @@ impl Default for Pose {
     }
 }
 
-impl Pose {
-    /// Returns the pose of a translation and a quaternion (w, x, y, z), which is scaled to length 1 (3).
-    pub fn of([x, y, z, w, a, b, c]: [f64; 7]) -> Option<Self> {
-        let [w, a, b, c] = [w, a, b, c].map(point);
-        let square = w.square() + a.square() + b.square() + c.square();
-        let twice = |x: Interval| (point(2.0) * x).over(square);
-        let diagonal = |p: Interval, q: Interval| ONE - twice(p.square() + q.square());
-        let rotation = [
-            [diagonal(b, c), twice(a * b - c * w), twice(a * c + b * w)],
-            [twice(a * b + c * w), diagonal(a, c), twice(b * c - a * w)],
-            [twice(a * c - b * w), twice(b * c + a * w), diagonal(a, b)],
-        ];
-        let is_near_1 = square.lo > 1e-6 && square.hi < 1e6;
-        is_near_1.then_some(Self { rotation, translation: [x, y, z].map(point) })
-    }
+/// Returns the rotation of a quaternion (w, x, y, z), which is scaled to length 1 (3).
+pub fn rotation([w, a, b, c]: [Interval; 4]) -> Matrix {
+    let square = w.square() + a.square() + b.square() + c.square();
+    let twice = |x: Interval| (x + x).over(square);
+    let diagonal = |p: Interval, q: Interval| ONE - twice(p.square() + q.square());
+    [
+        [diagonal(b, c), twice(a * b - c * w), twice(a * c + b * w)],
+        [twice(a * b + c * w), diagonal(a, c), twice(b * c - a * w)],
+        [twice(a * c - b * w), twice(b * c + a * w), diagonal(a, b)],
+    ]
 }
 
 /// Motion of a link by the value `factor · q[joint] + offset`, about or along a unit vector in its own frame.
@@ -60,255 +44,196 @@ pub struct Motion {
     pub axis: Vector,
 }
 
-pub enum Shape {
-    Box(Point),
-    /// Half length along z, and radius.
-    Capsule([f64; 2]),
-    Cylinder([f64; 2]),
-    HalfSpace,
-    /// Convex hull of the points, grown by the radius.
-    Hull {
-        points: Vec<Point>,
-        radius: f64,
-    },
-    /// Surface of triangles, and all that it seals off.
-    Mesh {
-        points: Vec<Point>,
-        faces: Vec<[usize; 3]>,
-    },
+/// Objects that are compared, the first one a link; the lowest link above both; and the distance demanded.
+pub struct Pair {
+    pub objects: [usize; 2],
+    pub top: Option<usize>,
+    pub distance: f64,
 }
 
-pub struct Solid {
-    pub pose: Pose,
-    pub shape: Shape,
-    /// Greatest magnitude of each coordinate of the points.
-    largest: Point,
-}
-
-/// A link, or a body of the world.
+/// Bound on a point of a link, or on a direction of length 1, along the whole path: it stays in a box around a pose, and within
+/// a distance of it (12).
 #[derive(Default)]
-pub struct Object {
-    pub name: String,
-    pub is_body: bool,
-    /// For a link: its parent, how many are above it, its pose in the parent, and its motion.
-    pub parent: Option<usize>,
-    pub depth: usize,
+pub struct Bound {
+    pub link: usize,
+    pub is_direction: bool,
+    pub point: Vector,
     pub pose: Pose,
-    pub motion: Option<Motion>,
-    /// Its lines.
-    pub text: String,
-    pub solids: Vec<Solid>,
-    /// For each solid a box around it, its lower and upper corner.
-    pub boxes: Vec<[Point; 2]>,
-}
-
-/// Consecutive solids of an object, or consecutive faces of one mesh.
-#[derive(Clone, Copy, PartialEq)]
-pub struct Span {
-    pub solids: [usize; 2],
-    pub faces: [usize; 2],
+    pub half: Point,
+    pub radius: f64,
 }
 
 #[derive(Default)]
-pub struct Scene {
-    pub name: String,
-    pub joints: Vec<Joint>,
-    pub objects: Vec<Object>,
+pub struct Scene<'a> {
+    pub name: &'a str,
+    pub hash: String,
+    /// Limits of each joint.
+    pub limits: Vec<[f64; 2]>,
+    pub objects: Vec<Object<'a>>,
     pub margin: f64,
-    /// Pairs with a distance of their own, or none.
-    pub exceptions: HashMap<(usize, usize), Option<f64>>,
+    /// Pairs that must be proven.
+    pub pairs: Vec<Pair>,
+    /// Pairs with a distance of their own, or none; and their lines with names.
+    distances: HashMap<[usize; 2], Option<f64>>,
+    pub exceptions: Vec<String>,
+    pub bounds: Vec<Bound>,
     pub start: Vec<f64>,
     pub tip: usize,
     pub goals: Vec<Pose>,
-    /// Pairs that are compared, in order, with the distance demanded.
-    pub pairs: Vec<((usize, usize), f64)>,
 }
 
-impl Solid {
-    pub fn new(pose: Pose, shape: Shape) -> Self {
-        let mut solid = Self { pose, shape, largest: [0.0; 3] };
-        let most = |i: usize| solid.points().iter().fold(0.0, |most: f64, p| most.max(p[i].abs()));
-        solid.largest = [most(0), most(1), most(2)];
-        solid
+impl<'a> Scene<'a> {
+    /// Reads the lines of a scene, in their order, and compares its hash.
+    pub fn read(lines: &mut Lines<'a>) -> Checked<Self> {
+        let (mut scene, begin) = (Self::default(), lines.begin);
+        scene.name = lines.read("scene", Lines::word)?;
+        while lines.is("joint") {
+            let limits =
+                |line: &mut Lines<'a>| line.word().and_then(|_| Ok([line.number()?, line.number()?]));
+            scene.limits.push(lines.read("joint", limits)?);
+        }
+        while lines.is("link") || lines.is("body") {
+            scene.read_object(lines)?;
+        }
+        scene.margin = lines.read("margin", Lines::size)?;
+        while lines.is("keep") || lines.is("skip") {
+            scene.read_exception(lines)?;
+        }
+        while let Some(kind) = ["cone", "inside", "near"].into_iter().find(|kind| lines.is(kind)) {
+            scene.read_bound(kind, lines)?;
+        }
+        scene.start = lines.read("start", |line| line.values(scene.limits.len()))?;
+        scene.tip = lines.read("tip", |line| line.index(scene.objects.len()))?;
+        let is_usable = !scene.limits.is_empty() && !scene.objects[scene.tip].is_body;
+        unless(is_usable, "no joint, or the tip is no link")?;
+        while scene.goals.is_empty() || lines.is("goal") {
+            let goal = |line: &mut Lines<'a>| line.word().and_then(|_| line.pose());
+            scene.goals.push(lines.read("goal", goal)?);
+        }
+        scene.hash = sha256(lines.since(begin).as_bytes());
+        let stated = lines.read("hash", Lines::word)?;
+        unless(stated == scene.hash, &format!("the scene has the hash {}", scene.hash))?;
+        Ok(scene)
     }
 
-    fn points(&self) -> &[Point] {
-        if let Shape::Hull { points, .. } | Shape::Mesh { points, .. } = &self.shape { points } else { &[] }
+    fn read_object(&mut self, lines: &mut Lines<'a>) -> Checked {
+        let begin = lines.begin;
+        let mut object = if lines.is("link") {
+            lines.read("link", |line| self.link(line))?
+        } else {
+            Object { is_body: true, name: lines.read("body", Lines::word)?, ..Object::default() }
+        };
+        while let Some(solid) = Solid::read(lines, object.is_body)? {
+            object.solids.push(solid);
+        }
+        object.text = lines.since(begin);
+        self.objects.push(object);
+        Ok(())
     }
 
-    pub fn faces(&self) -> usize {
-        if let Shape::Mesh { faces, .. } = &self.shape { faces.len() } else { 0 }
+    fn link(&self, line: &mut Lines<'a>) -> Checked<Object<'a>> {
+        let mut link = Object { name: line.word()?, ..Object::default() };
+        if self.objects.is_empty() {
+            unless(line.word()? == "-", "the first link is the root, with the parent `-`")?;
+        } else {
+            let parent = line.index(self.objects.len())?;
+            (link.parent, link.depth) = (Some(parent), self.objects[parent].depth + 1);
+        }
+        unless(!self.objects.iter().any(|known| known.is_body), "links come before bodies")?;
+        link.pose = line.pose()?;
+        let kind = line.word()?;
+        if kind != "fixed" {
+            unless(kind == "turn" || kind == "slide", "a motion that is none")?;
+            let (joint, factor, offset) = (line.index(self.limits.len())?, line.number()?, line.number()?);
+            let axis = unit(line.point()?.map(point))?;
+            link.motion = Some(Motion { turns: kind == "turn", joint, factor, offset, axis });
+        }
+        Ok(link)
     }
 
-    /// Returns an upper bound of the greatest n·p over the solid, or these faces of it, in the frame of the object (4).
-    fn support(&self, n: Vector, faces: [usize; 2]) -> f64 {
-        let m = transposed_times(&self.pose.rotation, n);
-        let local = match &self.shape {
-            Shape::Box([x, y, z]) => dot(m.map(Interval::magnitude), [*x, *y, *z].map(point)),
-            Shape::Capsule([half, radius]) => m[2].magnitude() * point(*half) + length(m) * point(*radius),
-            Shape::Cylinder([half, radius]) => {
-                let across = length([m[0], m[1], point(0.0)]);
-                m[2].magnitude() * point(*half) + across * point(*radius)
+    fn read_exception(&mut self, lines: &mut Lines<'a>) -> Checked {
+        let (begin, objects, is_kept) = (lines.begin, self.objects.len(), lines.is("keep"));
+        let (pair, distance) = lines.read(if is_kept { "keep" } else { "skip" }, |line| {
+            let pair = [line.index(objects)?, line.index(objects)?];
+            Ok((pair, if is_kept { Some(line.number()?) } else { line.word().map(|_| None)? }))
+        })?;
+        let is_new = self.distances.insert(pair, distance).is_none();
+        unless(pair[0] < pair[1] && is_new, "each pair once, the lower index first")?;
+        let words: Vec<&str> = lines.since(begin).trim_end().split(' ').collect();
+        let [a, b] = pair.map(|index| self.objects[index].name);
+        self.exceptions.push(format!("{} {a} {b} {}", words[0], words[3]));
+        Ok(())
+    }
+
+    fn read_bound(&mut self, kind: &str, lines: &mut Lines<'a>) -> Checked {
+        let (begin, objects) = (lines.begin, self.objects.len());
+        let bound = lines.read(kind, |line| {
+            let mut bound = Bound { half: [f64::INFINITY; 3], radius: f64::INFINITY, ..Bound::default() };
+            (bound.is_direction, bound.link) =
+                (kind == "cone", line.word().and_then(|_| line.index(objects))?);
+            bound.point = line.point()?.map(point);
+            if kind == "inside" {
+                (bound.pose, bound.half) = (line.pose()?, line.point()?);
+                return Ok(bound);
             }
-            Shape::HalfSpace => return f64::INFINITY,
-            Shape::Hull { points, radius } => self.farthest(m, points.iter()) + length(m) * point(*radius),
-            Shape::Mesh { points, faces: all } if faces == [0, all.len()] => self.farthest(m, points.iter()),
-            Shape::Mesh { points, faces: all } => {
-                self.farthest(m, all[faces[0]..faces[1]].iter().flatten().map(|index| &points[*index]))
+            (bound.pose.translation, bound.radius) = (line.point()?.map(point), line.size()?);
+            if bound.is_direction {
+                (bound.point, bound.pose.translation) = (unit(bound.point)?, unit(bound.pose.translation)?);
+                unless(bound.radius <= 3.1, "an angle out of range")?;
+                bound.radius = 2.0 * point(0.5 * bound.radius).sin_cos()[0].lo;
             }
-        };
-        (local + dot(n, self.pose.translation)).hi
+            Ok(bound)
+        })?;
+        unless(!self.objects[bound.link].is_body, "a bound is of a link")?;
+        self.bounds.push(bound);
+        self.exceptions.push(lines.since(begin).trim_end().to_owned());
+        Ok(())
     }
 
-    /// Returns a number that is at least m·p for each of the points: the greatest value in plain `f64`, and its error (4), which
-    /// is unknown if m is.
-    fn farthest<'a>(&self, m: Vector, points: impl Iterator<Item = &'a Point>) -> Interval {
-        let middle = m.map(Interval::middle);
-        let along = |p: &Point| middle[0] * p[0] + middle[1] * p[1] + middle[2] * p[2];
-        let mut most = f64::NEG_INFINITY;
-        for value in points.map(along) {
-            most = most.max(value);
-        }
-        let error = |i: usize| {
-            let off = (m[i] - point(middle[i])).magnitude();
-            (off + point(middle[i].abs()) * point(2.0 * f64::EPSILON)) * point(self.largest[i])
-        };
-        point(most) + error(0) + error(1) + error(2) + point(1e-300)
-    }
-}
-
-impl Object {
-    pub fn has_mesh(&self) -> bool {
-        self.solids.iter().any(|solid| solid.faces() > 0)
-    }
-
-    pub fn whole(&self) -> Span {
-        self.span(0, self.solids.len())
-    }
-
-    fn span(&self, begin: usize, end: usize) -> Span {
-        let faces = if end == begin + 1 { self.solids[begin].faces() } else { 0 };
-        Span { solids: [begin, end], faces: [0, faces] }
-    }
-
-    /// Returns the halves of a span; `None` for a convex solid and a single face.
-    pub fn halves(&self, Span { solids: [begin, end], faces: [first, last] }: Span) -> Option<[Span; 2]> {
-        if end > begin + 1 {
-            let middle = begin + (end - begin) / 2;
-            return Some([self.span(begin, middle), self.span(middle, end)]);
-        }
-        let middle = first + (last - first) / 2;
-        let of = |faces| Span { solids: [begin, end], faces };
-        (last > first + 1).then(|| [of([first, middle]), of([middle, last])])
-    }
-
-    /// Returns true if the span has all faces of its meshes.
-    pub fn has_whole_meshes(&self, span: Span) -> bool {
-        span == self.span(span.solids[0], span.solids[1])
-    }
-
-    /// Returns a measure of the work on a span.
-    pub fn size(&self, span: Span) -> u64 {
-        let size = |solid: &Solid| 4 + solid.points().len() + solid.faces();
-        self.solids[span.solids[0]..span.solids[1]].iter().map(size).sum::<usize>() as u64
-    }
-
-    pub fn support(&self, span: Span, n: Vector) -> f64 {
-        let [begin, end] = span.solids;
-        let support = |solid: &Solid| {
-            let support = solid.support(n, if end == begin + 1 { span.faces } else { [0, solid.faces()] });
-            if support.is_nan() { f64::INFINITY } else { support }
-        };
-        self.solids[begin..end].iter().map(support).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// Returns a point and a radius such that all points of the span are within it (4).
-    pub fn ball(&self, span: Span) -> (Point, Interval) {
-        let [mut low, mut high] = self.boxes[span.solids[0]];
-        for [l, h] in &self.boxes[span.solids[0]..span.solids[1]] {
-            low = std::array::from_fn(|i| low[i].min(l[i]));
-            high = std::array::from_fn(|i| high[i].max(h[i]));
-        }
-        let center: Point = std::array::from_fn(|i| 0.5 * (low[i] + high[i]));
-        let off = |i: usize, end: f64| (point(end) - point(center[i])).magnitude();
-        (center, length(std::array::from_fn(|i| off(i, low[i]).max(off(i, high[i])))))
-    }
-
-    /// Adds a solid and the box around it, and returns true; false if it is not allowed.
-    pub fn add(&mut self, solid: Solid) -> bool {
-        let corner = |sign: f64| {
-            let axis = |i: usize| std::array::from_fn(|j| point(if i == j { sign } else { 0.0 }));
-            std::array::from_fn(|i| sign * solid.support(axis(i), [0, solid.faces()]))
-        };
-        let corners: [Point; 2] = [corner(-1.0), corner(1.0)];
-        let is_bounded = corners.iter().flatten().all(|x| x.abs() <= 1e9);
-        let is_floor = matches!(solid.shape, Shape::HalfSpace) && self.is_body;
-        let is_mesh = matches!(solid.shape, Shape::Mesh { .. });
-        let is_allowed = (is_bounded || is_floor) && is_mesh == (solid.faces() > 0);
-        if is_allowed && self.solids.len() < MOST_SOLIDS {
-            self.solids.push(solid);
-            self.boxes.push(corners);
-            return true;
-        }
-        false
-    }
-}
-
-impl Scene {
     /// Returns the links from the one below `top` (from the root for `None`) down to `of`, the topmost first.
     pub fn chain(&self, top: Option<usize>, of: usize) -> Vec<usize> {
-        let mut chain = Vec::new();
-        let mut next = Some(of).filter(|of| !self.objects[*of].is_body);
-        while let Some(index) = next.filter(|_| next != top) {
-            chain.push(index);
-            next = self.objects[index].parent;
-        }
+        let lowest = Some(of).filter(|of| !self.objects[*of].is_body);
+        let upwards = std::iter::successors(lowest, |index| self.objects[*index].parent);
+        let mut chain: Vec<usize> = upwards.take_while(|index| Some(*index) != top).collect();
         chain.reverse();
         chain
-    }
-
-    /// Returns the lowest link above both or equal to one of them; `None` for the world.
-    pub fn common(&self, a: usize, b: usize) -> Option<usize> {
-        let (a, b) = (self.chain(None, a), self.chain(None, b));
-        a.iter().zip(&b).take_while(|(x, y)| x == y).last().map(|(x, _)| *x)
     }
 
     /// Lists the objects that another scene has not, or with other lines.
     pub fn changes_since(&self, before: &Self) -> Vec<String> {
         let new = |new: &Self, old: &Self, sign: char| {
-            let lines: HashSet<&str> = old.objects.iter().map(|object| &object.text[..]).collect();
-            let is_new = |object: &&Object| !lines.contains(&object.text[..]);
-            new.objects
-                .iter()
-                .filter(is_new)
-                .map(|object| format!("{sign} {}", object.name))
-                .collect::<Vec<_>>()
+            let lines: HashSet<&str> = old.objects.iter().map(|object| object.text).collect();
+            let is_new = |object: &&Object<'_>| !lines.contains(object.text);
+            let named = |object: &Object<'_>| format!("{sign} {}", object.name);
+            new.objects.iter().filter(is_new).map(named).collect::<Vec<_>>()
         };
         [new(before, self, '-'), new(self, before, '+')].concat()
     }
 
     /// Lists the pairs that must be proven: all of a link and another object that a joint moves against each other.
-    pub fn list_pairs(&mut self) {
-        for a in (0..self.objects.len()).filter(|a| !self.objects[*a].is_body) {
-            for b in a + 1..self.objects.len() {
-                let top = self.common(a, b);
-                let is_moved =
-                    |end: &usize| self.chain(top, *end).iter().any(|i| self.objects[*i].motion.is_some());
-                let has_solids = |end: &usize| !self.objects[*end].solids.is_empty();
-                let distance = self.exceptions.get(&(a, b)).copied().unwrap_or(Some(self.margin));
-                if let Some(distance) =
-                    distance.filter(|_| [a, b].iter().all(has_solids) && [a, b].iter().any(is_moved))
-                {
-                    self.pairs.push(((a, b), distance));
-                }
+    pub fn list_pairs(&self) -> Vec<Pair> {
+        let is_solid = |index: &usize| !self.objects[*index].solids.is_empty();
+        let is_moved = |index: &usize| self.objects[*index].motion.is_some();
+        let mut pairs = Vec::new();
+        for a in (0..self.objects.len()).filter(|a| is_solid(a) && !self.objects[*a].is_body) {
+            let above_a = self.chain(None, a);
+            for b in (a + 1..self.objects.len()).filter(is_solid) {
+                let above_b = self.chain(None, b);
+                let common = above_a.iter().zip(&above_b).take_while(|(x, y)| x == y).count();
+                let top = common.checked_sub(1).map(|last| above_a[last]);
+                let moves = above_a[common..].iter().chain(&above_b[common..]).any(is_moved);
+                let distance = self.distances.get(&[a, b]).copied().unwrap_or(Some(self.margin));
+                let pair = |distance| Pair { objects: [a, b], top, distance };
+                pairs.extend(distance.filter(|_| moves).map(pair));
             }
         }
+        pairs
     }
 }
 
 /// Returns the unit vector of this direction (3).
-pub fn unit(direction: Point) -> Option<Vector> {
-    let v = direction.map(point);
+fn unit(v: Vector) -> Checked<Vector> {
     let long = length(v);
-    (long.lo > 1e-3 && long.hi < 1e3).then(|| scaled(v, ONE.over(long)))
+    unless(long.lo > 1e-3 && long.hi < 1e3, "an axis has a length near 1")?;
+    Ok(scaled(v, ONE.over(long)))
 }
