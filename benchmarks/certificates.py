@@ -1,14 +1,14 @@
-"""Plans, certifies and checks: sizes of certificates, times to write and to check them.
+"""Plans, certifies and checks: sizes of certificates, times to write and to check them (the least of three).
 
 usage: certificates.py CRANNY CHECKER SEEDS [FLAGS OF PLAN…]
 """
 
 import json
+import resource
 import statistics
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 SCENARIOS = [f"0{family}{step}" for family in range(1, 5) for step in range(1, 6)]
@@ -16,6 +16,12 @@ SCENARIOS = [f"0{family}{step}" for family in range(1, 5) for step in range(1, 6
 
 def run(*words):
     return subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False)
+
+
+def cpu_s():
+    """Returns the time that finished programs have computed."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def row(name, values, unit):
@@ -41,11 +47,15 @@ def main(cranny, checker, seeds, *flags):
                     counts["refused"] = counts.get("refused", 0) + 1
                     print(f"{scenario} {seed}: {answer['refused']}", file=sys.stderr)
                     continue
-                begin = time.perf_counter()
-                checked = run(checker, certificate)
-                check_ms.append(1e3 * (time.perf_counter() - begin))
+                times = []
+                for _ in range(3):
+                    begin = cpu_s()
+                    checked = run(checker, certificate)
+                    times.append(cpu_s() - begin)
+                check_ms.append(1e3 * min(times))
                 is_certified = checked.stdout.startswith("certified\n")
-                counts["certified" if is_certified else "NOT accepted"] = counts.get("certified", 0) + 1
+                outcome = "certified" if is_certified else "NOT accepted"
+                counts[outcome] = counts.get(outcome, 0) + 1
                 if not is_certified:
                     print(f"{scenario} {seed}: {checked.stdout}{checked.stderr}", file=sys.stderr)
                 text = certificate.read_text()
@@ -57,7 +67,7 @@ def main(cranny, checker, seeds, *flags):
     row("size", kilobytes, "kB")
     row("planes", planes, "")
     row("time to write", write_ms, "ms")
-    row("time to check, with the start of the program", check_ms, "ms")
+    row("time of the processor to check, with the start of the program", check_ms, "ms")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use cranny_collision::Cell;
 use cranny_robot::Robot;
-use cranny_spatial::Pose;
+use cranny_spatial::{Pose, PoseDifference};
 use cranny_task::{Goal, Problem, Segment, Stage, StateSequence};
 use sha2::{Digest as _, Sha256};
 
@@ -47,6 +47,9 @@ pub fn certificate(
         let start = if text.len() > FORMAT.len() + 1 { start } else { problem.start().to_vec() };
         check_values(robot, &start, &paths)?;
         let model = Model::of(&cell);
+        if !model.is_in_order() {
+            return Err(not_covered("a finger before a tip that a joint moves"));
+        }
         let scene = scene_text(robot, &model, &Rules { name: &name, start: &start, goal });
         let hash: String =
             Sha256::digest(scene.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
@@ -67,22 +70,14 @@ fn passages(
     stages: &[Stage],
     segments: &[Segment],
 ) -> Result<Vec<Passage>, CertifyError> {
-    let not_covered = |what: &str| CertifyError::NotCovered { what: what.to_owned() };
-    let Some(cell) = problem.cell() else {
+    if problem.cell().is_none() {
         return Err(not_covered("the paper's criterion, which proves nothing"));
-    };
-    if cell.tool_bounds().len() > 0 {
-        return Err(not_covered("bounds of the tool"));
     }
     let along = StateSequence::of(problem, stages, segments).ok().flatten();
     let Some(along) = along.filter(|along| along.stopped.is_none() && along.states.len() == segments.len())
     else {
         return Err(not_covered("a task that is not carried out to its end"));
     };
-    let is_held_level = |cell: &Cell| cell.tilt_bound().is_some();
-    if along.states.iter().any(|state| is_held_level(state.cell())) {
-        return Err(not_covered("a bound on the tilt of the held object"));
-    }
     let Course { way_points, rounded } = Course::of(segments);
     let has_corners = segments.iter().any(|segment| !segment.corners.is_empty());
     let executed = if has_corners { &rounded } else { &way_points };
@@ -144,6 +139,15 @@ fn path_lines(
             text.push_str(&format!("p {a} {b} {}\n", tree.marks));
             outside.extend(tree.outside.iter().map(|(i, j)| (a, b, *i, *j)));
         }
+        for (index, bound) in model.bounds.iter().enumerate() {
+            let marks = proof.prove_bound(bound).map_err(|stuck| CertifyError::NotKept {
+                path,
+                edge,
+                bound: bound.name.clone(),
+                at: stuck.at,
+            })?;
+            text.push_str(&format!("b {index} {marks}\n"));
+        }
     }
     for ((a, b), _) in &model.pairs {
         for (i, of_a) in model.objects[*a].solids.iter().enumerate() {
@@ -156,6 +160,10 @@ fn path_lines(
         }
     }
     Ok(())
+}
+
+fn not_covered(what: &str) -> CertifyError {
+    CertifyError::NotCovered { what: what.to_owned() }
 }
 
 /// Checks the limits of all control points, and the start.
@@ -183,7 +191,14 @@ fn goal_at(problem: &Problem, tip: &Pose) -> Result<(String, Pose), CertifyError
         (Goal::Grasps(grasps), None) => {
             let arrived = |index: &usize| problem.is_arrival(&grasps.grasps()[*index].difference(tip));
             let index = grasps.by_score().into_iter().find(arrived).ok_or(CertifyError::Goal)?;
-            Ok((format!("grasp-{index}"), grasps.grasps()[index].world_from_gripper))
+            // The hand may be turned by half a turn about its approach.
+            let (grasp, turned) = (&grasps.grasps()[index], grasps.grasps()[index].twin());
+            let off = |pose: &Pose| PoseDifference::between(pose, tip).rotation_rad;
+            if off(&grasp.world_from_gripper) <= off(&turned.world_from_gripper) {
+                Ok((format!("grasp-{index}"), grasp.world_from_gripper))
+            } else {
+                Ok((format!("grasp-{index}-half-turn"), turned.world_from_gripper))
+            }
         }
         (Goal::Configurations(_), None) => Ok(("configuration".to_owned(), *tip)),
         _ => Ok(("own-grasp".to_owned(), *tip)),

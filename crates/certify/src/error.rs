@@ -20,6 +20,18 @@ pub enum CertifyError {
         /// Parameter in [0, 1] along the edge.
         at: f64,
     },
+    /// A bound of a link is not proven to be kept.
+    #[error("edge {edge} of the {path} path: the bound {bound} is not proven to be kept near {at:.6}")]
+    NotKept {
+        /// Name of the path.
+        path: &'static str,
+        /// Index of the edge or piece.
+        edge: usize,
+        /// Name of the bound.
+        bound: String,
+        /// Parameter in [0, 1] along the edge.
+        at: f64,
+    },
     /// The path does not begin at the start of the problem.
     #[error("the path begins elsewhere: {joint} is {off} (m or rad) from the start")]
     Start {

@@ -4,6 +4,7 @@ mod certificate;
 mod error;
 mod gap;
 mod joint_curve;
+mod link_bound;
 mod model;
 mod moment;
 mod pair_tree;

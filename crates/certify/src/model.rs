@@ -1,7 +1,9 @@
 use std::collections::{BTreeMap, HashMap};
 
 use cranny_collision::{CONTACT_ALLOWANCE_M, Cell, Collider, DemandedOther, UncheckedReason};
+use cranny_robot::LinkMotion;
 
+use crate::link_bound::LinkBound;
 use crate::scene_text::word;
 use crate::span::Object;
 
@@ -12,6 +14,8 @@ pub(crate) struct Model {
     pub margin_m: f64,
     /// Pairs that are proven, in order, with their distances in metres.
     pub pairs: Vec<((usize, usize), f64)>,
+    /// Bounds of links along the whole path.
+    pub bounds: Vec<LinkBound>,
     /// Pairs that are not compared, with the reason.
     pub skipped: Vec<((usize, usize), &'static str)>,
 }
@@ -36,7 +40,7 @@ impl Model {
         let parts: Vec<Vec<Option<Option<f64>>>> = (0..cell.parts().len()).map(of_part).collect();
         // No link is compared with a part of the body in the hand.
         let is_present = |part: &usize| parts[*part].iter().flatten().any(Option::is_some);
-        let motions = robot.link_motions(&cell.frames()).into_iter().enumerate();
+        let motions = in_order(robot.link_motions(&cell.frames())).into_iter().enumerate();
         let mut objects: Vec<Object> =
             motions.map(|(link, motion)| Object::link(cell, link, motion)).collect();
         // Parts of each object beyond the links.
@@ -53,7 +57,8 @@ impl Model {
                 bodies.push(group[0]);
             }
         }
-        let mut model = Self { objects, margin_m: 0.0, pairs: Vec::new(), skipped: Vec::new() };
+        let bounds = LinkBound::all(cell);
+        let mut model = Self { objects, margin_m: 0.0, pairs: Vec::new(), bounds, skipped: Vec::new() };
         let solid = |index: &usize| !model.objects[*index].solids.is_empty();
         let (mut pairs, mut skipped) = (Vec::new(), Vec::new());
         for a in (0..links).filter(solid) {
@@ -77,6 +82,15 @@ impl Model {
         model.margin_m = most.map_or(0.0, |(bits, _)| f64::from_bits(bits));
         (model.pairs, model.skipped) = (pairs, skipped);
         model
+    }
+
+    /// Returns true if each link comes after the one to which it is attached, as a certificate demands.
+    pub fn is_in_order(&self) -> bool {
+        let parent = |object: &Object| object.motion.as_ref().and_then(|motion| motion.parent);
+        self.objects
+            .iter()
+            .enumerate()
+            .all(|(index, object)| parent(object).is_none_or(|parent| parent < index))
     }
 
     /// Returns the links from the one below `top` (from the root for `None`) down to `of`, the topmost first.
@@ -104,6 +118,21 @@ impl Model {
             |index: &usize| self.objects[*index].motion.as_ref().is_some_and(|motion| motion.joint.is_some());
         [a, b].iter().any(|end| self.chain(top, *end).iter().any(is_moving))
     }
+}
+
+/// Relates links to ones that precede them: a finger of a hand that has closed is attached to the tip, which may come after it,
+/// and thus to the link to which the tip is rigidly connected.
+fn in_order(mut motions: Vec<LinkMotion>) -> Vec<LinkMotion> {
+    for link in 0..motions.len() {
+        while let Some(later) = motions[link].parent.filter(|parent| *parent > link)
+            && motions[later].joint.is_none()
+        {
+            let of_later = motions[later].clone();
+            motions[link].parent = of_later.parent;
+            motions[link].parent_from_link = of_later.parent_from_link * motions[link].parent_from_link;
+        }
+    }
+    motions
 }
 
 /// Returns the reason why a pair of links is not compared.

@@ -12,7 +12,7 @@ pub(crate) struct Moment {
 }
 
 /// Part of an object in the middle of a curve, in a common frame: its pose, the velocity of the point `center`, the angular
-/// velocity, and a bound on the acceleration of its points along the curve.
+/// velocity, and bounds on the acceleration of its points and of its directions of length 1 along the curve.
 pub(crate) struct Moved {
     pub pose: Pose,
     pub center: Vector,
@@ -20,6 +20,7 @@ pub(crate) struct Moved {
     pub velocity: Vector,
     pub turn: Vector,
     pub acceleration: f64,
+    pub swing: f64,
 }
 
 impl Moment {
@@ -30,13 +31,19 @@ impl Moment {
         Self { middle, frames }
     }
 
-    /// Computes the motion of a span of an object relative to the link `top`, or to the world.
-    pub fn moved(&self, model: &Model, top: Option<usize>, of: usize, span: Span) -> Moved {
+    /// Computes the motion relative to the link `top`, or to the world, of a part of an object that is in a ball, given by its
+    /// centre and radius.
+    pub fn moved(
+        &self,
+        model: &Model,
+        top: Option<usize>,
+        of: usize,
+        (center, radius_m): (Vector, f64),
+    ) -> Moved {
         let object = &model.objects[of];
         let top_from_world = top.map_or_else(Pose::identity, |top| self.frames.link(top).inverse());
         let in_top = |link: usize| top_from_world * self.frames.link(link);
         let pose = if object.motion.is_some() { in_top(of) } else { top_from_world };
-        let (center, radius_m) = object.ball(span);
         let center = (pose * Point::from(center)).coords;
         let mut moved = Moved {
             pose,
@@ -45,6 +52,7 @@ impl Moment {
             velocity: Vector::zeros(),
             turn: Vector::zeros(),
             acceleration: 0.0,
+            swing: 0.0,
         };
         let chain = model.chain(top, of);
         let joints: Vec<_> = chain
@@ -71,7 +79,9 @@ impl Moment {
                     let reach = arm.norm() + radius_m + 0.5 * beyond;
                     moved.velocity += arm * rate;
                     moved.turn += axis * rate;
-                    moved.acceleration += fastest * reach * (fastest + 2.0 * before) + bend * reach;
+                    let turning = fastest * (fastest + 2.0 * before) + bend;
+                    moved.acceleration += reach * turning;
+                    moved.swing += turning;
                     beyond += fastest * reach;
                 }
                 JointKind::Prismatic => {

@@ -8,6 +8,7 @@ use cranny_spatial::Vector;
 
 use crate::gap::Gap;
 use crate::joint_curve::{JointCurve, halves};
+use crate::link_bound::LinkBound;
 use crate::model::Model;
 use crate::moment::Moment;
 use crate::span::Span;
@@ -39,6 +40,14 @@ struct Node {
 impl Node {
     fn middle(&self) -> f64 {
         (self.number as f64 + 0.5) / (self.depth as f64).exp2()
+    }
+
+    /// Puts the nodes of both halves of the interval on a stack, the first one on top.
+    fn push_halves(self, open: &mut Vec<Self>) {
+        let [first, second] = halves(&self.curve).map(Rc::new);
+        let (depth, number) = (self.depth + 1, 2 * self.number);
+        open.push(Self { curve: second, depth, number: number + 1, ..self });
+        open.push(Self { curve: first, depth, number, ..self });
     }
 }
 
@@ -83,7 +92,8 @@ impl<'a> PieceProof<'a> {
             }
             let moment = self.moment(&node);
             let gap_of = |spans: [Span; 2]| {
-                let moved = [moment.moved(model, top, a, spans[0]), moment.moved(model, top, b, spans[1])];
+                let moved = [(a, 0), (b, 1)]
+                    .map(|(of, side)| moment.moved(model, top, of, objects[side].ball(spans[side])));
                 let needed_m = margin_m + 0.125 * (moved[0].acceleration + moved[1].acceleration);
                 Gap { objects, spans, moved, needed_m }
             };
@@ -128,14 +138,35 @@ impl<'a> PieceProof<'a> {
                 None if node.depth >= MOST_DEPTH => return Err(stuck),
                 None => {
                     tree.marks.push('h');
-                    let [first, second] = halves(&node.curve).map(Rc::new);
-                    let (depth, number) = (node.depth + 1, 2 * node.number);
-                    open.push(Node { curve: second, depth, number: number + 1, ..node });
-                    open.push(Node { curve: first, depth, number, ..node });
+                    node.push_halves(&mut open);
                 }
             }
         }
         Ok(tree)
+    }
+
+    /// Proves that a bound of a link is kept along the piece: its marks.
+    ///
+    /// # Errors
+    /// [`Stuck`] where the bound is nearly reached.
+    pub fn prove_bound(&mut self, bound: &LinkBound) -> Result<String, Stuck> {
+        let object = &self.model.objects[bound.link];
+        let spans = [object.whole(); 2];
+        let mut open = vec![Node { curve: self.whole.clone(), depth: 0, number: 0, spans }];
+        let mut marks: Vec<&str> = Vec::new();
+        while let Some(node) = open.pop() {
+            let moment = self.moment(&node);
+            if bound.is_kept(&moment.moved(self.model, None, bound.link, (bound.point_in_link(), 0.0))) {
+                marks.push(".");
+                continue;
+            }
+            if node.depth >= MOST_DEPTH || marks.len() > MOST_NODES {
+                return Err(Stuck { at: node.middle() });
+            }
+            marks.push("h");
+            node.push_halves(&mut open);
+        }
+        Ok(marks.join(" "))
     }
 
     /// Returns the halves of the part to divide, and its side; `None` if the interval is to be halved.

@@ -1,9 +1,11 @@
 use std::fmt::Write as _;
 
+use cranny_collision::ToolRegion;
 use cranny_robot::{JointKind, Robot};
 use cranny_spatial::Pose;
 
 use crate::joint_curve::pose_numbers;
+use crate::link_bound::LinkBound;
 use crate::model::Model;
 use crate::span::{Object, PlacedSolid, Shape};
 
@@ -35,6 +37,7 @@ pub(crate) fn scene_text(robot: &Robot, model: &Model, rules: &Rules<'_>) -> Str
     for ((a, b), reason) in &model.skipped {
         let _ = writeln!(text, "skip {a} {b} {reason}");
     }
+    model.bounds.iter().for_each(|bound| bound_line(&mut text, bound));
     line(&mut text, "start", rules.start);
     let _ = writeln!(text, "tip {}", robot.tip());
     line(&mut text, &format!("goal {}", word(&rules.goal.0)), &pose_numbers(&rules.goal.1));
@@ -83,6 +86,22 @@ fn solid_lines(text: &mut String, PlacedSolid { pose, shape, .. }: &PlacedSolid)
             }
         }
     }
+}
+
+fn bound_line(text: &mut String, LinkBound { name, link, region }: &LinkBound) {
+    let (kind, values) = match region {
+        ToolRegion::Cone { axis_in_link, toward, most_rad } => {
+            ("cone", [axis_in_link.as_slice(), toward.as_slice(), &[*most_rad]].concat())
+        }
+        ToolRegion::Box { point_in_link, world_from_box, half_m } => {
+            let pose = pose_numbers(world_from_box);
+            ("inside", [point_in_link.coords.as_slice(), &pose, half_m.as_slice()].concat())
+        }
+        ToolRegion::Ball { point_in_link, center, radius_m } => {
+            ("near", [point_in_link.coords.as_slice(), center.coords.as_slice(), &[*radius_m]].concat())
+        }
+    };
+    line(text, &format!("{kind} {name} {link}"), &values);
 }
 
 /// Returns a name as one word.

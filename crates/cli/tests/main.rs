@@ -15,6 +15,7 @@ mod bench_report;
 #[cfg(unix)]
 mod campaigns;
 mod certificates;
+mod changed_certificates;
 #[cfg(target_os = "linux")]
 mod cheating_planners;
 #[cfg(target_os = "linux")]
