@@ -1,8 +1,8 @@
 //! SHA-256 (FIPS 180-4), for the hash of a scene.
 
-/// Returns the first 32 bits of the fraction of a root, for each of the first primes.
+/// Returns the first 32 bits of the fraction of a root, for each of the first primes. With wrong roots, no hash would be right.
 fn fractions(count: usize, root: fn(f64) -> f64) -> Vec<u32> {
-    let is_prime = |n: &u32| (2..*n).all(|d| n % d != 0);
+    let is_prime = |n: &u32| (2..*n).all(|d| !n.is_multiple_of(d));
     let primes = (2..).filter(is_prime).take(count);
     primes.map(|prime| (root(f64::from(prime)).fract() * 4_294_967_296.0) as u32).collect()
 }

@@ -153,10 +153,9 @@ impl<'a> Piece<'a> {
                 None => dot(up, solid.pose.translation),
             };
             let gap = -(first.reach(of_a, span_a, n, s) + of_b);
-            if !(gap.lo > needed.hi) {
-                let by = (needed.hi - gap.lo) / length(n).hi;
-                return Err(format!("the plane does not keep both parts apart: {by:e} m are missing"));
-            }
+            let by = (needed.hi - gap.lo) / length(n).hi;
+            let fault = || format!("the plane does not keep both parts apart: {by:e} m are missing");
+            (gap.lo > needed.hi).then_some(()).ok_or_else(fault)?;
         }
         Ok(())
     }

@@ -3,7 +3,6 @@
 //! Exit codes: 0 success, 1 a check failed, 2 not runnable (unknown word, no git, wrong `CRANNY_DATA`).
 
 mod c_api;
-mod certificate_checker;
 mod checked_arithmetic;
 mod checkout;
 mod comment_words;

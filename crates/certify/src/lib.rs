@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod bound_gap;
 mod certificate;
 mod error;
 mod gap;
@@ -10,6 +11,7 @@ mod moment;
 mod pair_tree;
 mod scene_text;
 mod span;
+mod word;
 
 pub use certificate::certificate;
 pub use error::CertifyError;

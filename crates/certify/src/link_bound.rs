@@ -1,8 +1,7 @@
 use cranny_collision::{Cell, ToolRegion};
 use cranny_spatial::Vector;
 
-use crate::moment::Moved;
-use crate::scene_text::word;
+use crate::word::word;
 
 /// Bound on the pose of a link, as a certificate has it.
 pub(crate) struct LinkBound {
@@ -10,10 +9,6 @@ pub(crate) struct LinkBound {
     pub link: usize,
     pub region: ToolRegion,
 }
-
-/// Amount by which each bound is kept beyond the inequality of the checker, in metres or as a length of direction: a thousand
-/// times the rounding of either.
-const SLACK: f64 = 1e-11;
 
 /// Maximum angle that a certificate states, in radians: a wider cone is narrowed to it.
 const WIDEST_RAD: f64 = 3.1;
@@ -43,27 +38,5 @@ impl LinkBound {
                 point_in_link.coords
             }
         }
-    }
-
-    /// Returns true if the motion of the bounded point satisfies the inequality of the checker.
-    pub fn is_kept(&self, moved: &Moved) -> bool {
-        [-0.5, 0.5].into_iter().all(|s| {
-            let point = moved.center + moved.velocity * s;
-            let bend_m = 0.125 * moved.acceleration + SLACK;
-            match &self.region {
-                ToolRegion::Cone { axis_in_link, toward, most_rad } => {
-                    let axis = moved.pose.rotation * axis_in_link.normalize();
-                    let off = axis + moved.turn.cross(&axis) * s - toward.normalize();
-                    off.norm() + 0.125 * moved.swing + SLACK < 2.0 * libm::sin(0.5 * most_rad)
-                }
-                ToolRegion::Box { world_from_box, half_m, .. } => {
-                    let in_box = world_from_box.inverse_transform_point(&point.into()).coords.abs();
-                    (in_box - half_m).max() + bend_m < 0.0
-                }
-                ToolRegion::Ball { center, radius_m, .. } => {
-                    (point - center.coords).norm() + bend_m < *radius_m
-                }
-            }
-        })
     }
 }

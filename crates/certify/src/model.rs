@@ -4,8 +4,8 @@ use cranny_collision::{CONTACT_ALLOWANCE_M, Cell, Collider, DemandedOther, Unche
 use cranny_robot::LinkMotion;
 
 use crate::link_bound::LinkBound;
-use crate::scene_text::word;
 use crate::span::Object;
+use crate::word::word;
 
 /// Robot and world as a certificate has them: links, then bodies.
 pub(crate) struct Model {

@@ -6,6 +6,7 @@ use cranny_collision::Cell;
 use cranny_robot::LinkFrames;
 use cranny_spatial::Vector;
 
+use crate::bound_gap::is_kept;
 use crate::gap::Gap;
 use crate::joint_curve::{JointCurve, halves};
 use crate::link_bound::LinkBound;
@@ -156,7 +157,7 @@ impl<'a> PieceProof<'a> {
         let mut marks: Vec<&str> = Vec::new();
         while let Some(node) = open.pop() {
             let moment = self.moment(&node);
-            if bound.is_kept(&moment.moved(self.model, None, bound.link, (bound.point_in_link(), 0.0))) {
+            if is_kept(bound, &moment.moved(self.model, None, bound.link, (bound.point_in_link(), 0.0))) {
                 marks.push(".");
                 continue;
             }

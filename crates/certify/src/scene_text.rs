@@ -8,6 +8,7 @@ use crate::joint_curve::pose_numbers;
 use crate::link_bound::LinkBound;
 use crate::model::Model;
 use crate::span::{Object, PlacedSolid, Shape};
+use crate::word::word;
 
 /// First line of a certificate.
 pub(crate) const FORMAT: &str = "cranny-certificate/1";
@@ -102,13 +103,6 @@ fn bound_line(text: &mut String, LinkBound { name, link, region }: &LinkBound) {
         }
     };
     line(text, &format!("{kind} {name} {link}"), &values);
-}
-
-/// Returns a name as one word.
-pub(crate) fn word(name: &str) -> String {
-    let word: String =
-        name.chars().map(|c| if c.is_whitespace() || c.is_control() { '_' } else { c }).collect();
-    if word.is_empty() { "_".to_owned() } else { word }
 }
 
 /// Appends a line of a word and numbers.

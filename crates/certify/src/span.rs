@@ -3,7 +3,7 @@ use cranny_robot::LinkMotion;
 use cranny_shape::{Outline, Solid};
 use cranny_spatial::{Point, Pose, Vector};
 
-use crate::scene_text::word;
+use crate::word::word;
 
 /// Solid as a certificate has it.
 pub(crate) struct PlacedSolid {
@@ -51,7 +51,7 @@ pub(crate) struct Span {
 }
 
 impl PlacedSolid {
-    pub fn new(pose: Pose, solid: &Solid) -> Self {
+    pub fn new(object_from_solid: Pose, solid: &Solid) -> Self {
         let shape = match solid.outline() {
             Outline::Cuboid { half_extents } => Shape::Cuboid(half_extents),
             Outline::Segment { half_length_m, radius_m } => Shape::Capsule { half_length_m, radius_m },
@@ -63,7 +63,7 @@ impl PlacedSolid {
             }
             Outline::Other => mesh(solid),
         };
-        let mut placed = Self { pose, shape, low: Vector::zeros(), high: Vector::zeros() };
+        let mut placed = Self { pose: object_from_solid, shape, low: Vector::zeros(), high: Vector::zeros() };
         let far = |direction: Vector| placed.support(&direction, placed.all_faces()).1;
         let axes = [Vector::x(), Vector::y(), Vector::z()];
         let corner =
@@ -166,7 +166,7 @@ impl Object {
         end > begin + 1 || faces == self.solids[begin].all_faces()
     }
 
-    /// Returns the single half-space of a span.
+    /// Returns the pose, in the frame of the object, of the single half-space of a span.
     pub fn half_space(&self, Span { solids: [begin, end], .. }: Span) -> Option<&Pose> {
         let solid = &self.solids[begin];
         (end == begin + 1 && matches!(solid.shape, Shape::HalfSpace)).then_some(&solid.pose)

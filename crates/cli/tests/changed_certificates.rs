@@ -33,7 +33,7 @@ const KINDS: [&str; 18] = [
     "cut file",
 ];
 
-/// What a certificate claims: the scenes by their hashes, and the control points of its paths.
+/// Claim of a certificate: the scenes by their hashes, and the control points of its paths.
 #[derive(PartialEq)]
 struct Claim {
     hashes: Vec<String>,
