@@ -55,6 +55,7 @@ const SUMMARY: &str = "# Summary
 # Understanding
 
 - [How proofs work](docs/proofs.md)
+- [Certificates](docs/certificate.md)
 - [What Cranny does not claim](docs/limits.md)
 - [What is claimed, and where it is shown](docs/claims.md)
 - [Releasing](docs/releasing.md)

@@ -16,7 +16,7 @@ use crate::tidy;
 use crate::web::{self, films, gltf};
 
 /// Checks of every run. A check that needs a tool of its own declares it in `needs`.
-const STEPS: [Step; 11] = [
+const STEPS: [Step; 12] = [
     Step {
         name: "format",
         needs: |here| component(here, "fmt", "rustfmt"),
@@ -37,6 +37,18 @@ const STEPS: [Step; 11] = [
         name: "doc tests",
         needs: |_| Readiness::Ready,
         action: |here| step::succeed(here.cargo(&["test", "--release", "--doc", "--workspace"])),
+    },
+    // The checker of certificates is a workspace of its own, so that it depends on nothing.
+    Step {
+        name: "certificates",
+        needs: |_| Readiness::Ready,
+        action: |here| {
+            let manifest = here.root.join("checker/Cargo.toml").display().to_string();
+            let words = ["test", "--release", "--quiet", "--locked", "--manifest-path", &manifest];
+            let mut command = here.cargo(&words);
+            command.env("CARGO_TARGET_DIR", here.root.join("target/checker"));
+            step::succeed(command)
+        },
     },
     Step { name: "glTF", needs: gltf::readiness, action: gltf::check },
     Step { name: "films", needs: films::readiness, action: films::check },

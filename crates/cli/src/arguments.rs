@@ -258,6 +258,9 @@ pub struct PlanArguments {
     /// File to write the plan to, even if the search failed [default: ID.plan.json in this folder, only if solved]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
+    /// Write a certificate too, as `cranny certify` does; without one the exit code is 1
+    #[arg(long, value_name = "FILE", conflicts_with = "moveit")]
+    pub certificate: Option<PathBuf>,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -298,6 +301,23 @@ impl VerifyArguments {
     pub fn plan(&self) -> &Path {
         self.plan.as_deref().unwrap_or(Path::new(&self.task.id))
     }
+}
+
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Examples:
+  cranny certify 021 021.plan.json
+  cranny certify path/to/scenarios/011 way_points.csv -o 011.cert
+
+docs/certificate.md defines the file and names the programs that check it.")]
+pub struct CertifyArguments {
+    #[command(flatten)]
+    pub task: TaskArguments,
+    /// A plan file (.plan.json) or way points (.csv, .try)
+    #[arg(value_name = "PLAN")]
+    pub plan: PathBuf,
+    /// File to write the certificate to [default: ID.cert in this folder]
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
 }
 
 #[derive(Clone, Debug, Args)]

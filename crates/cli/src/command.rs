@@ -1,6 +1,8 @@
 use clap::{Parser, Subcommand};
 
-use crate::arguments::{IkArguments, Output, PlanArguments, TaskArguments, VerifyArguments};
+use crate::arguments::{
+    CertifyArguments, IkArguments, Output, PlanArguments, TaskArguments, VerifyArguments,
+};
 use crate::campaigns::bench::BenchArguments;
 use crate::content::grasps::GraspsArguments;
 use crate::content::object::ObjectArguments;
@@ -53,6 +55,8 @@ pub enum Command {
     Plan(Box<PlanArguments>),
     /// Verify a plan file or bare way points against a scenario
     Verify(VerifyArguments),
+    /// Write a certificate of a plan, which a small program without Cranny checks
+    Certify(CertifyArguments),
     /// Find free configurations at every grasp of a scenario
     Ik(IkArguments),
     /// Build a roadmap for the planner prm, to answer many queries with

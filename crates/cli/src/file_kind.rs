@@ -49,6 +49,8 @@ pub enum FileKind {
     Mjcf,
     /// Output of `cranny man`.
     Manual,
+    /// Output of `cranny certify`.
+    Certificate,
     /// Partial result of a computation that was stopped.
     Unfinished,
 }
@@ -83,6 +85,7 @@ impl FileKind {
             Self::Experiment => "simulated experiment",
             Self::Mjcf => "MJCF model",
             Self::Manual => "manual page of Cranny",
+            Self::Certificate => "certificate",
             Self::Unfinished => "finished part of a stopped command",
         }
     }
@@ -121,6 +124,7 @@ impl FileKind {
             Self::Recording => is_object_with(&["format"]) && text.contains("\"cranny-recording/"),
             Self::Experiment => is_object_with(&["object", "mjcf"]),
             Self::Mjcf => text.starts_with("<mujoco"),
+            Self::Certificate => text.starts_with("cranny-certificate/"),
             Self::Manual => text.starts_with('.') && text.contains(".TH cranny"),
             Self::Unfinished => is_object_with(&["format"]) && text.contains("\"cranny-unfinished/"),
             // `OMPL version 1.7`, or that of another library, then the experiment.

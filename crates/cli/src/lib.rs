@@ -56,6 +56,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Chosen::Info(arguments) => content::info::run(arguments, cli.output),
         Chosen::Plan(arguments) => planning::plan::run(arguments, registry, cli.output),
         Chosen::Verify(arguments) => planning::verify::run(arguments, cli.output),
+        Chosen::Certify(arguments) => planning::certify::run(arguments, cli.output),
         Chosen::Ik(arguments) => planning::ik::run(arguments, cli.output),
         Chosen::Scenario(arguments) => content::scenario::run(arguments, cli.output),
         Chosen::Grasps(arguments) => content::grasps::run(arguments, cli.output),

@@ -1,5 +1,6 @@
-//! `cranny plan`, `verify`, `ik`, `roadmap` and `serve`.
+//! `cranny plan`, `verify`, `certify`, `ik`, `roadmap` and `serve`.
 
+pub(crate) mod certify;
 pub(crate) mod ik;
 pub(crate) mod plan;
 pub(crate) mod plan_page;

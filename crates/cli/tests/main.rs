@@ -14,6 +14,8 @@ mod bench;
 mod bench_report;
 #[cfg(unix)]
 mod campaigns;
+mod certificates;
+mod changed_certificates;
 #[cfg(target_os = "linux")]
 mod cheating_planners;
 #[cfg(target_os = "linux")]

@@ -20,6 +20,7 @@ pub use cranny_task::{Goal, Problem};
 
 #[cfg(feature = "bench")]
 pub use cranny_bench as bench;
+pub use cranny_certify as certify;
 #[cfg(feature = "command")]
 pub use cranny_cli as command;
 pub use cranny_collision as collision;

@@ -15,6 +15,7 @@ pub(crate) mod lane_chain;
 pub(crate) mod lane_kinematics;
 pub(crate) mod limits;
 pub(crate) mod link_arms;
+pub(crate) mod link_motion;
 pub(crate) mod moving_base;
 pub(crate) mod reach_bound;
 pub(crate) mod steadiness;

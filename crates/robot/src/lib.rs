@@ -24,6 +24,7 @@ pub use chain::limits::{
     CONTINUOUS_LIMIT_RAD, DEFAULT_SPEED_M_S, DEFAULT_SPEED_RAD_S, FREE_JOINT_LIMIT_M, JointLimits, JointUnit,
     LimitViolation,
 };
+pub use chain::link_motion::{LinkJoint, LinkMotion};
 pub use chain::reach_bound::ReachBound;
 pub use description::assembly::UrdfFile;
 pub use description::inertial::Inertial;

@@ -17,10 +17,10 @@ use cranny_solve::solve;
 use crate::arguments::{Output, PlanArguments};
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
-use crate::planning::ik;
 use crate::planning::plan_page::{self, Answered};
 use crate::planning::plan_task::PlanTask;
 use crate::planning::task::Demand;
+use crate::planning::{certify, ik};
 use crate::progress::{SearchProgress, stop_on_interrupt};
 use crate::{Answer, output_file, start, text};
 
@@ -38,6 +38,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     let source = PlanSource { task, ..source };
     // Checks the output file before the search.
     let file = destination(arguments, &source.scenario, output)?;
+    arguments.certificate.iter().try_for_each(|to| output_file::check(to, FileKind::Certificate, output))?;
 
     let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt());
     let begin_of_solving = Instant::now();
@@ -70,6 +71,8 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
         output_file::check(&file, FileKind::Plan, output)?;
         plan.write(&file)?;
     }
+    let to = arguments.certificate.as_deref().filter(|_| solved);
+    let certified = to.map(|to| certify::write(&source.scenario, &problem, &plan, to, output)).transpose()?;
     let planning_time_s = answer.statistics.planning_time_s;
     let shortcut_time_s = answer.shortening.map(|shortening| shortening.time_s);
     let timing_time_s = answer.timed.as_ref().map(|timed| timed.time_s);
@@ -100,7 +103,11 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     let computed =
         || Some(&plan).filter(|plan| plan.score == ScoreKind::Load).and_then(|_| problem.loaded_grasps());
     text::answer(&answered, || plan_page::page(&answered, &computed().unwrap_or(grasps)), output)?;
-    Ok(if solved { Answer::Done } else { Answer::No })
+    if let Some(certified) = &certified {
+        text::note(certified.line().trim_end())?;
+    }
+    let is_as_asked = certified.is_none_or(|certified| certified.is_certified());
+    Ok(if solved && is_as_asked { Answer::Done } else { Answer::No })
 }
 
 /// Parses the destination of `--carry`.

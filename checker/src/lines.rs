@@ -1,0 +1,107 @@
+//! Lines and words of a certificate. Nothing is allocated by a count that the file states.
+
+use super::interval::point;
+use super::scene::{Point, Pose, rotation};
+
+/// Greatest magnitude of a number.
+const LARGEST: f64 = 1e6;
+
+/// Result of a check: a value, or the reason why a line fails.
+pub type Checked<T = ()> = Result<T, String>;
+
+pub fn unless(holds: bool, reason: &str) -> Checked {
+    if holds { Ok(()) } else { Err(reason.to_owned()) }
+}
+
+/// Certificate that is read line by line, each word by word.
+pub struct Lines<'a> {
+    text: &'a str,
+    /// First byte of the present line, that after it, and its number from 1.
+    pub begin: usize,
+    end: usize,
+    pub number: usize,
+    /// Words of the line that are not read yet.
+    words: std::str::Split<'a, char>,
+}
+
+impl<'a> Lines<'a> {
+    pub fn new(text: &'a str) -> Self {
+        let mut lines = Self { text, begin: 0, end: 0, number: 0, words: "".split(' ') };
+        lines.advance();
+        lines
+    }
+
+    /// Goes to the next line; one without an end, and that after the last one, are empty.
+    fn advance(&mut self) {
+        let line = self.text[self.end..].split_inclusive('\n').next().unwrap_or_default();
+        (self.begin, self.number) = (self.end, self.number + 1);
+        self.end += line.len();
+        self.words = line.strip_suffix('\n').unwrap_or_default().split(' ');
+    }
+
+    /// Returns true if the present line begins with this word.
+    pub fn is(&self, kind: &str) -> bool {
+        self.words.clone().next() == Some(kind)
+    }
+
+    /// Returns the text from this byte to the present line.
+    pub fn since(&self, begin: usize) -> &'a str {
+        &self.text[begin..self.begin]
+    }
+
+    pub fn is_at_end(&self) -> bool {
+        self.begin == self.text.len()
+    }
+
+    /// Reads a line that begins with this word.
+    pub fn read<T>(&mut self, kind: &str, words: impl FnOnce(&mut Self) -> Checked<T>) -> Checked<T> {
+        if self.words.next() != Some(kind) {
+            return Err(format!("a line `{kind}` is missing here, or this one is of no known kind"));
+        }
+        let value = words(self)?;
+        unless(self.words.next().is_none(), "more words, or marks, than expected")?;
+        self.advance();
+        Ok(value)
+    }
+
+    pub fn word(&mut self) -> Checked<&'a str> {
+        let word = self.words.next().filter(|word| !word.is_empty());
+        word.ok_or_else(|| "a word, or mark, is missing".to_owned())
+    }
+
+    pub fn number(&mut self) -> Checked<f64> {
+        let word = self.word()?;
+        let number = word.parse::<f64>().ok().filter(|x| x.abs() <= LARGEST && word.len() <= 32);
+        number.ok_or_else(|| "a number that is none, or too large".to_owned())
+    }
+
+    pub fn point(&mut self) -> Checked<Point> {
+        Ok([self.number()?, self.number()?, self.number()?])
+    }
+
+    pub fn size(&mut self) -> Checked<f64> {
+        let size = self.number()?;
+        unless(size >= 0.0, "a size is not negative")?;
+        Ok(size)
+    }
+
+    /// Reads one value for each joint.
+    pub fn values(&mut self, joints: usize) -> Checked<Vec<f64>> {
+        (0..joints).map(|_| self.number()).collect()
+    }
+
+    pub fn index(&mut self, below: usize) -> Checked<usize> {
+        let word = self.word()?;
+        let is_whole = word.len() <= 9 && word.bytes().all(|byte| byte.is_ascii_digit());
+        let index = word.parse().ok().filter(|index| *index < below && is_whole);
+        index.ok_or_else(|| "an index out of range".to_owned())
+    }
+
+    pub fn pose(&mut self) -> Checked<Pose> {
+        let translation = self.point()?.map(point);
+        let quaternion = [self.number()?, self.number()?, self.number()?, self.number()?];
+        let square: f64 = quaternion.iter().map(|x| x * x).sum();
+        unless((1e-6..1e6).contains(&square), "a quaternion has a length near 1")?;
+        Ok(Pose { rotation: rotation(quaternion.map(point)), translation })
+    }
+}

@@ -1,0 +1,32 @@
+//! Checks a certificate: prints `certified`, or the first line that fails.
+
+use std::io::{Read as _, Write as _};
+use std::process::ExitCode;
+
+/// Greatest size of a certificate, in bytes: a longer one is cut, so that its end is missing.
+const MOST_BYTES: u64 = 64 << 20;
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let [file, hashes @ ..] = &words[..] else {
+        eprintln!("usage: cranny-check FILE [HASH…]   (HASH: that of a scene, if it is known)");
+        return ExitCode::from(2);
+    };
+    let mut text = String::new();
+    let read = std::fs::File::open(file).and_then(|open| open.take(MOST_BYTES).read_to_string(&mut text));
+    if let Err(reason) = read {
+        eprintln!("{file}: {reason}");
+        return ExitCode::from(2);
+    }
+    let is_of =
+        |line: &String, hash: &String| line.starts_with("scene ") && line.split(' ').nth(2) == Some(hash);
+    let (code, answer) = match cranny_check::check(&text) {
+        Err((line, reason)) => (1, format!("not certified: {file}:{line}: {reason}")),
+        Ok(found) if hashes.iter().all(|hash| found.iter().any(|line| is_of(line, hash))) => {
+            (0, format!("certified\n  {}", found.join("\n  ")))
+        }
+        Ok(_) => (1, format!("not certified: {file}: no scene has this hash")),
+    };
+    let _ = writeln!(std::io::stdout(), "{answer}");
+    ExitCode::from(code)
+}

@@ -1,0 +1,171 @@
+//! Solids and objects of a certificate: their supports, and the parts into which they are divided.
+
+use super::interval::{Interval, Vector, ZERO, dot, length, point, transposed_times};
+use super::lines::{Checked, Lines, unless};
+use super::scene::{Motion, Point, Pose};
+
+/// Words that begin a solid.
+const KINDS: [&str; 7] = ["box", "ball", "capsule", "cylinder", "half", "hull", "mesh"];
+
+/// Sum of a box, a disc across z, a ball and the convex hull of points, of which most have one or two; or the surface of a mesh
+/// and all that it seals off; or a half-space.
+#[derive(Default)]
+pub struct Solid {
+    pub pose: Pose,
+    half: Point,
+    disc: f64,
+    ball: f64,
+    points: Vec<Point>,
+    faces: Vec<[usize; 3]>,
+    pub is_half_space: bool,
+    /// Greatest magnitude of each coordinate of the points.
+    largest: Point,
+    /// Lower and upper corner of a box around it, in the frame of the object.
+    corners: [Point; 2],
+}
+
+/// A link, or a body of the world.
+#[derive(Default)]
+pub struct Object<'a> {
+    pub name: &'a str,
+    pub is_body: bool,
+    /// For a link: its parent, how many are above it, its pose in the parent, and its motion.
+    pub parent: Option<usize>,
+    pub depth: usize,
+    pub pose: Pose,
+    pub motion: Option<Motion>,
+    /// Its lines.
+    pub text: &'a str,
+    pub solids: Vec<Solid>,
+}
+
+/// Consecutive solids of an object, or consecutive faces of one mesh.
+#[derive(Clone, Copy, PartialEq)]
+pub struct Span {
+    pub solids: [usize; 2],
+    faces: [usize; 2],
+}
+
+impl Solid {
+    /// Reads a solid, if the present line begins one.
+    pub fn read(lines: &mut Lines<'_>, is_of_body: bool) -> Checked<Option<Self>> {
+        let Some(kind) = KINDS.into_iter().find(|kind| lines.is(kind)) else { return Ok(None) };
+        let mut solid = Self::default();
+        lines.read(kind, |line| {
+            solid.pose = line.pose()?;
+            match kind {
+                "box" => solid.half = [line.size()?, line.size()?, line.size()?],
+                "ball" => solid.ball = line.size()?,
+                "capsule" => (solid.half[2], solid.ball) = (line.size()?, line.size()?),
+                "cylinder" => (solid.half[2], solid.disc) = (line.size()?, line.size()?),
+                "hull" => solid.ball = line.size()?,
+                _ => solid.is_half_space = kind == "half",
+            }
+            unless(is_of_body || !solid.is_half_space, "a link cannot be a half-space")
+        })?;
+        while ["hull", "mesh"].contains(&kind) && lines.is("v") {
+            solid.points.push(lines.read("v", Lines::point)?);
+        }
+        let count = solid.points.len();
+        while kind == "mesh" && lines.is("f") {
+            let corners =
+                |line: &mut Lines<'_>| Ok([line.index(count)?, line.index(count)?, line.index(count)?]);
+            solid.faces.push(lines.read("f", corners)?);
+        }
+        unless(kind != "hull" || count > 0, "a hull without points")?;
+        unless(kind != "mesh" || !solid.faces.is_empty(), "a mesh without faces")?;
+        solid.largest = [0, 1, 2].map(|i| solid.points.iter().fold(0.0, |most: f64, p| most.max(p[i].abs())));
+        let axis = |i: usize, sign: f64| std::array::from_fn(|j| if i == j { point(sign) } else { ZERO });
+        let corner =
+            |sign: f64| std::array::from_fn(|i| sign * solid.support(axis(i, sign), solid.all_faces()));
+        solid.corners = [corner(-1.0), corner(1.0)];
+        Ok(Some(solid))
+    }
+
+    fn all_faces(&self) -> [usize; 2] {
+        [0, self.faces.len()]
+    }
+
+    /// Returns an upper bound of the greatest n·p over the solid, or these faces of it, in the frame of the object (4).
+    fn support(&self, n: Vector, faces: [usize; 2]) -> f64 {
+        if self.is_half_space {
+            return f64::INFINITY;
+        }
+        let m = transposed_times(&self.pose.rotation, n);
+        let disc = length([m[0], m[1], ZERO]) * point(self.disc);
+        let round = disc + length(m) * point(self.ball);
+        let center = dot(n, self.pose.translation) + dot(m.map(Interval::magnitude), self.half.map(point));
+        let corners = self.faces[faces[0]..faces[1]].iter().flatten();
+        let farthest = if faces == self.all_faces() {
+            self.farthest(m, self.points.iter())
+        } else {
+            self.farthest(m, corners.map(|index| &self.points[*index]))
+        };
+        (center + round + farthest).hi
+    }
+
+    /// Encloses the greatest m·p over some points, 0 for none (4).
+    fn farthest<'p>(&self, m: Vector, points: impl Iterator<Item = &'p Point>) -> Interval {
+        let middle = m.map(Interval::middle);
+        let along = |p: &Point| middle[0] * p[0] + middle[1] * p[1] + middle[2] * p[2];
+        let most = points.map(along).reduce(f64::max).unwrap_or_default();
+        let error = |i: usize| {
+            let off = (m[i] - point(middle[i])).magnitude();
+            (off + point(middle[i].abs()) * point(2.0 * f64::EPSILON)) * point(self.largest[i])
+        };
+        point(most) + error(0) + error(1) + error(2) + point(1e-300)
+    }
+}
+
+impl Object<'_> {
+    pub fn whole(&self) -> Span {
+        self.span(0, self.solids.len())
+    }
+
+    fn span(&self, begin: usize, end: usize) -> Span {
+        let faces = if end == begin + 1 { self.solids[begin].all_faces() } else { [0, 0] };
+        Span { solids: [begin, end], faces }
+    }
+
+    /// Returns the halves of a span; `None` for a convex solid and a single face.
+    pub fn halves(&self, Span { solids: [begin, end], faces: [first, last] }: Span) -> Option<[Span; 2]> {
+        if end > begin + 1 {
+            let middle = begin + (end - begin) / 2;
+            return Some([self.span(begin, middle), self.span(middle, end)]);
+        }
+        let middle = first + (last - first) / 2;
+        let of = |faces| Span { solids: [begin, end], faces };
+        (last > first + 1).then(|| [of([first, middle]), of([middle, last])])
+    }
+
+    /// Returns true if the span has all faces of its meshes.
+    pub fn has_whole_meshes(&self, span: Span) -> bool {
+        span == self.span(span.solids[0], span.solids[1])
+    }
+
+    /// Returns a measure of the work on a span.
+    pub fn size(&self, span: Span) -> usize {
+        let size = |solid: &Solid| 4 + solid.points.len() + solid.faces.len();
+        self.solids[span.solids[0]..span.solids[1]].iter().map(size).sum()
+    }
+
+    /// Returns an upper bound of the greatest n·p over the span, in the frame of the object (4).
+    pub fn support(&self, span: Span, n: Vector) -> f64 {
+        let [begin, end] = span.solids;
+        let faces = |solid: &Solid| if end == begin + 1 { span.faces } else { solid.all_faces() };
+        let supports = self.solids[begin..end].iter().map(|solid| solid.support(n, faces(solid)));
+        supports.fold(f64::NEG_INFINITY, |most, x| if x.is_nan() { f64::INFINITY } else { most.max(x) })
+    }
+
+    /// Returns a point and a radius such that all points of the span are within it (4).
+    pub fn ball(&self, span: Span) -> (Vector, Interval) {
+        let corners = self.solids[span.solids[0]..span.solids[1]].iter().map(|solid| solid.corners);
+        let wider = |[low, high]: [Point; 2], [l, h]: [Point; 2]| {
+            [std::array::from_fn(|i| low[i].min(l[i])), std::array::from_fn(|i| high[i].max(h[i]))]
+        };
+        let [low, high] = corners.reduce(wider).unwrap_or_default().map(|corner| corner.map(point));
+        let center: Vector = std::array::from_fn(|i| point((low[i] + high[i]).middle() * 0.5));
+        let off = |i: usize| (low[i] - center[i]).magnitude().max((high[i] - center[i]).magnitude());
+        (center, length(std::array::from_fn(off)))
+    }
+}

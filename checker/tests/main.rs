@@ -1,0 +1,205 @@
+//! The checker accepts what holds, and refuses each kind of change of it, at the line of the change.
+
+use cranny_check::{check, sha256};
+
+const SLIDE: &str = include_str!("certificates/slide.cert");
+
+/// A mobile arm of 9 joints reaches a ball under a table, in straight edges and along rounded corners: written by a script from
+/// the URDF, the scenario and a plan file, without Cranny.
+const ARM: &str = include_str!("certificates/arm.cert");
+
+/// Returns a certificate with other lines, and with the hash of its scene.
+fn changed(from: &str, to: &str) -> String {
+    assert!(SLIDE.contains(from), "{from}");
+    let text = SLIDE.replacen(from, to, 1);
+    with_hash(&text).unwrap()
+}
+
+fn with_hash(text: &str) -> Option<String> {
+    let (format, scene) = text.split_once('\n')?;
+    let (scene, rest) = scene.split_once("hash ")?;
+    let (_, paths) = rest.split_once('\n')?;
+    Some(format!("{format}\n{scene}hash {}\n{paths}", sha256(scene.as_bytes())))
+}
+
+fn reason(text: &str) -> String {
+    check(text).expect_err("a certificate that does not hold").1
+}
+
+#[test]
+fn the_hash_is_sha_256() {
+    assert_eq!(sha256(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    assert_eq!(sha256(b""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+    assert_eq!(sha256(&[b'a'; 1000]), "41edece42d63e8d9bf515a9ba6932e1c20cbc9f5a5d134645adb5db1b9737ea3");
+}
+
+#[test]
+fn a_certificate_that_holds_is_accepted() {
+    let found = check(SLIDE).unwrap();
+    assert_eq!(found[1..3], ["paths 1, of 1 pieces", "pairs 8, at least 0.00001 m apart"]);
+    assert_eq!(found[3..], ["keep cart floor 0.02", "skip cart arm adjacent-touching"]);
+}
+
+#[test]
+fn the_certificate_of_an_arm_is_accepted_and_not_for_a_greater_distance() {
+    let found = check(ARM).unwrap();
+    assert_eq!(found[1..3], ["paths 2, of 5 pieces", "pairs 88, at least 0.00001 m apart"]);
+    let more = with_hash(&ARM.replacen("margin 1e-05", "margin 0.01", 1)).unwrap();
+    assert!(reason(&more).contains("apart"));
+}
+
+#[test]
+fn each_false_claim_is_refused() {
+    for (from, to, expected) in [
+        // Planes.
+        ("p 1 3 0,1,0", "p 1 3 0,-1,0", "apart"),
+        ("p 1 3 0,1,0", "p 1 3 1,0,0", "apart"),
+        ("p 1 4 =", "p 1 4 0,0,-1", "apart"),
+        ("p 1 3 0,1,0", "p 1 3 =", "no half-space"),
+        ("p 2 3 h 0,1,0 h ~ ~", "p 2 3 h 1,0,0 ~", "apart"),
+        // Cover.
+        ("p 2 3 h 0,1,0 h ~ ~", "p 2 3 h 0,1,0 h ~", "mark"),
+        ("p 2 3 h 0,1,0 h ~ ~", "p 2 3 h 0,1,0", "mark"),
+        ("p 0 2 h 0,0,1 ~", "p 0 2 h 0,0,1 ~ ~", "marks"),
+        ("p 1 5 0,-1,0", "p 1 5 a 0,-1,0 ~", "halved"),
+        // Pairs.
+        ("p 1 5 0,-1,0\n", "", "missing"),
+        ("p 2 5 h 0,-1,0 ~\n", "", "`p` is missing"),
+        ("p 1 3 0,1,0\np 1 4 =\n", "p 1 4 =\np 1 3 0,1,0\n", "missing"),
+        ("skip 1 2 adjacent-touching\n", "", "missing"),
+        // Other scenes.
+        ("box 0 0.9 0 1 0 0 0 2 0.1 1", "box 0 0.35 0 1 0 0 0 2 0.1 1", "apart"),
+        ("half 0 0 -0.15 1 0 0 0", "half 0 0 -0.11 1 0 0 0", "apart"),
+        ("keep 1 4 0.02", "keep 1 4 0.06", "apart"),
+        ("margin 0.00001", "margin 0.5", "apart"),
+        ("ball 0 0 0 1 0 0 0 0.1", "ball 0 0 0 1 0 0 0 0.2", "apart"),
+        // Ends and limits.
+        ("start -0.5 0", "start -0.5 0.001", "begin"),
+        ("goal end 0.5 0 0", "goal end 0.502 0 0", "goal"),
+        ("goal end 0.5 0 0 0.96", "goal end 0.5 0 0 0.90", "goal"),
+        ("joint turn -3 3", "joint turn -3 0.4", "limits"),
+        // Meshes.
+        ("p 1 5 0,-1,0", "p 1 5 b 0,-1,0 ~", "inside"),
+    ] {
+        let found = reason(&changed(from, to));
+        assert!(found.contains(expected), "{from} -> {to}: {found}");
+    }
+    let other = SLIDE.replacen("half 0 0 -0.15", "half 0 0 -0.16", 1);
+    assert!(reason(&other).contains("hash"));
+}
+
+#[test]
+fn malformed_lines_are_refused_with_their_number() {
+    for (from, to) in [
+        ("cranny-certificate/1", "cranny-certificate/2"),
+        ("joint slide -1 1", "joint slide -1"),
+        ("joint slide -1 1", "joint slide NaN 1"),
+        ("joint slide -1 1", "joint slide -inf 1"),
+        ("link cart 0", "link cart 1"),
+        ("link cart 0", "link cart -"),
+        ("slide 0 1 0 1 0 0", "slide 2 1 0 1 0 0"),
+        ("slide 0 1 0 1 0 0", "slide 0 1 0 0 0 0"),
+        ("ball 0 0 0 1 0 0 0 0.1", "ball 0 0 0 0 0 0 0 0.1"),
+        ("ball 0 0 0 1 0 0 0 0.1", "ball 0 0 0 1 0 0 0 -0.1"),
+        ("ball 0 0 0 1 0 0 0 0.1", "half 0 0 0 1 0 0 0"),
+        ("f 1 2 3", "f 1 2 4"),
+        ("margin 0.00001", "margin -0.1"),
+        ("skip 1 2 adjacent-touching", "skip 2 1 adjacent-touching"),
+        ("skip 1 2 adjacent-touching", "skip 1 99999999999999999999 x"),
+        ("tip 2", "tip 3"),
+        ("q 0.5 0.5", "q 0.5"),
+        ("q 0.5 0.5", "q 0.5 1e400"),
+        ("p 1 3 0,1,0", "p 1 3 0,1"),
+        ("p 1 3 0,1,0", "p 1 3 0,0,0"),
+        ("p 1 3 0,1,0", "p 1 3 0,1,70000"),
+        ("p 1 3 0,1,0", "p 1 3 "),
+        ("p 1 3 0,1,0", "p 1 3 ~"),
+        ("end\n", ""),
+        ("end\n", "end"),
+        ("end\n", "end\nend\n"),
+        ("end\n", "end\nend"),
+    ] {
+        assert!(check(&changed(from, to)).is_err(), "{from} -> {to}");
+    }
+}
+
+/// A second scene starts where the first one ends, and what differs is named.
+#[test]
+fn scenes_follow_each_other() {
+    let (first, _) = SLIDE.split_once("end\n").unwrap();
+    let back = SLIDE
+        .replace("start -0.5 0", "start 0.5 0.5")
+        .replace("q -0.5 0\nq 0.5 0.5", "q 0.5 0.5\nq 0.5 0.49");
+    let back = with_hash(&back.replace("body floor", "body ground")).unwrap();
+    let (_, second) = back.split_once('\n').unwrap();
+    let found = check(&format!("{first}{second}")).unwrap();
+    let changes = ["keep cart ground 0.02", "skip cart arm adjacent-touching", "- floor", "+ ground"];
+    assert_eq!(found[8..], changes);
+    let elsewhere = with_hash(&back.replace("start 0.5 0.5", "start 0.500001 0.5")).unwrap();
+    let (_, second) = elsewhere.split_once('\n').unwrap();
+    assert!(reason(&format!("{first}{second}")).contains("does not start"));
+}
+
+/// Nesting and counts that a file states cost nothing.
+#[test]
+fn hostile_trees_end() {
+    let deep = format!("p 1 3 {}0,1,0", "h ".repeat(100_000));
+    assert!(reason(&changed("p 1 3 0,1,0", &deep)).contains("halvings"));
+    let many = format!("p 1 3 {}", "0,1,0 ".repeat(100_000));
+    assert!(reason(&changed("p 1 3 0,1,0", &many)).contains("marks"));
+}
+
+/// Random damage is refused or harmless, and never a crash.
+#[test]
+fn damaged_bytes_never_panic() {
+    let mut state = 7_u64;
+    let mut next = |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state % below as u64) as usize
+    };
+    let words = ["NaN", "1e999", "-1", "h", "a", "b", "~", "=", "99999999", "0", "\n", " ", "mesh", "f", "é"];
+    for _ in 0..20_000 {
+        let mut text = SLIDE.to_owned();
+        for _ in 0..=next(3) {
+            let places: Vec<usize> = text.char_indices().map(|(at, _)| at).collect();
+            let (from, to) = (places[next(places.len())], places[next(places.len())]);
+            match next(3) {
+                0 => text.insert_str(from, words[next(words.len())]),
+                1 => text.replace_range(from..text.len().min(from + 1), words[next(words.len())]),
+                _ if from < to && to - from < 40 => text.replace_range(from..to, ""),
+                _ => {}
+            }
+        }
+        let _ = check(&text);
+        let _ = with_hash(&text).map(|text| check(&text));
+    }
+}
+
+/// Bounds of a direction and of points of a link, each with its proof in a piece.
+#[test]
+fn bounds_are_checked() {
+    let bounded = |line: &str, proof: &str| {
+        let text = SLIDE.replacen("start -0.5 0", &format!("{line}\nstart -0.5 0"), 1);
+        with_hash(&text.replacen("end\n", &format!("{proof}end\n"), 1)).unwrap()
+    };
+    // The arm turns by 0.5 rad about z, and slides from x = -0.5 to 0.5.
+    let turns = |angle: f64| bounded(&format!("cone level 2 1 0 0 1 0 0 {angle}"), "b 0 h . .\n");
+    assert!(reason(&turns(0.49)).contains("bound"));
+    let found = check(&turns(0.52)).unwrap();
+    assert_eq!(found[5], "cone level 2 1 0 0 1 0 0 0.52");
+    let upright = bounded("cone level 2 0 0 1 0 0 1 0.001", "b 0 .\n");
+    check(&bounded("cone level 2 0 0 1 0 0 1 0.6", "b 0 .\n")).unwrap();
+    assert!(reason(&upright).contains("bound"));
+    let near = |radius: f64| bounded(&format!("near wrist 2 0 0 0 0 0 0 {radius}"), "b 0 .\n");
+    assert!(reason(&near(0.499)).contains("bound"));
+    check(&near(0.501)).unwrap();
+    let inside = |half: f64| bounded(&format!("inside wrist 2 0 0 0 0 0 0 1 0 0 0 {half} 1 1"), "b 0 .\n");
+    assert!(reason(&inside(0.499)).contains("bound"));
+    check(&inside(0.501)).unwrap();
+    // Proofs that are missing, of another bound, or too short.
+    for proof in ["", "b 1 .\n", "b 0 h .\n", "b 0 . .\n", "b 0 ~\n"] {
+        assert!(check(&bounded("near wrist 2 0 0 0 0 0 0 1", proof)).is_err(), "{proof}");
+    }
+}

@@ -1,0 +1,206 @@
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use cranny_collision::Cell;
+use cranny_robot::Robot;
+use cranny_spatial::{Pose, PoseDifference};
+use cranny_task::{Goal, Problem, Segment, Stage, StateSequence};
+use sha2::{Digest as _, Sha256};
+
+use crate::CertifyError;
+use crate::joint_curve::{Course, JointCurve};
+use crate::model::Model;
+use crate::pair_tree::PieceProof;
+use crate::scene_text::{FORMAT, Rules, line, scene_text};
+
+/// Maximum distance of the start of a path from that of the problem, in m or rad; a checker allows the same.
+const START_TOLERANCE: f64 = 1e-5;
+
+/// Part of a motion in one cell.
+struct Passage {
+    cell: Arc<Cell>,
+    name: String,
+    goal: (String, Pose),
+    paths: Vec<(&'static str, Vec<JointCurve>)>,
+}
+
+/// Returns the certificate of the motion along the segments of a task, `cranny-certificate/1`. `name` is that of the scenario.
+///
+/// 1. A scene for each run of segments in one cell: robot, world and rules as that cell has them, and their hash.
+/// 2. Its path: along the curves of rounded corners if there are any. A motion in a single scene has a path along its way
+///    points, too.
+/// 3. For each piece and each pair of objects a tree of intervals and planes ([`PieceProof::prove`]).
+///
+/// # Errors
+/// [`CertifyError`] for a motion that is not proven, or of a kind that certificates do not cover.
+pub fn certificate(
+    name: &str,
+    problem: &Problem,
+    stages: &[Stage],
+    segments: &[Segment],
+) -> Result<String, CertifyError> {
+    let mut text = format!("{FORMAT}\n");
+    for Passage { cell, name, goal, paths } in passages(name, problem, stages, segments)? {
+        let robot = cell.robot();
+        let start = paths.first().and_then(|(_, path)| path.first()).map(|piece| piece[0].clone());
+        let start = start.unwrap_or_default();
+        let start = if text.len() > FORMAT.len() + 1 { start } else { problem.start().to_vec() };
+        check_values(robot, &start, &paths)?;
+        let model = Model::of(&cell);
+        if !model.is_in_order() {
+            return Err(not_covered("a finger before a tip that a joint moves"));
+        }
+        let scene = scene_text(robot, &model, &Rules { name: &name, start: &start, goal });
+        let hash: String =
+            Sha256::digest(scene.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
+        text.push_str(&format!("{scene}hash {hash}\n"));
+        for (path, pieces) in &paths {
+            text.push_str(&format!("path {path}\n"));
+            path_lines(&mut text, &cell, &model, (path, pieces))?;
+        }
+    }
+    text.push_str("end\n");
+    Ok(text)
+}
+
+/// Divides a motion into runs in one cell.
+fn passages(
+    name: &str,
+    problem: &Problem,
+    stages: &[Stage],
+    segments: &[Segment],
+) -> Result<Vec<Passage>, CertifyError> {
+    if problem.cell().is_none() {
+        return Err(not_covered("the paper's criterion, which proves nothing"));
+    }
+    let along = StateSequence::of(problem, stages, segments).ok().flatten();
+    let Some(along) = along.filter(|along| along.stopped.is_none() && along.states.len() == segments.len())
+    else {
+        return Err(not_covered("a task that is not carried out to its end"));
+    };
+    let Course { way_points, rounded } = Course::of(segments);
+    let has_corners = segments.iter().any(|segment| !segment.corners.is_empty());
+    let executed = if has_corners { &rounded } else { &way_points };
+    let path = if has_corners { "rounded" } else { "way-points" };
+    let cell_of = |segment: usize| along.states[segment].cell();
+    let mut picks = along.picks.iter();
+    let mut passages: Vec<Passage> = Vec::new();
+    let runs: Vec<&[(usize, JointCurve)]> =
+        executed.chunk_by(|a, b| Arc::ptr_eq(cell_of(a.0), cell_of(b.0))).collect();
+    for run in &runs {
+        let (Some((_, first)), Some((segment, last))) = (run.first(), run.last()) else { continue };
+        let cell = cell_of(*segment).clone();
+        let end = last.last().unwrap_or(&first[0]);
+        let tip = *cell.robot().frames_at(end).link(cell.robot().tip());
+        let is_of_grasp = !segments[*segment].mode.holds
+            && segments.get(segment + 1).map_or(passages.is_empty(), |next| next.mode.holds);
+        let mode = segments[*segment].mode.name;
+        let goal = match picks.next().filter(|_| is_of_grasp) {
+            Some(picking) => goal_at(picking, &tip)?,
+            None => (format!("end-of-{mode}"), tip),
+        };
+        let name = if runs.len() > 1 { format!("{name}/{mode}") } else { name.to_owned() };
+        let pieces = run.iter().map(|(_, piece)| piece.clone()).collect();
+        passages.push(Passage { cell, name, goal, paths: vec![(path, pieces)] });
+    }
+    match &mut passages[..] {
+        [] => Err(not_covered("a path without an edge")),
+        [whole] if has_corners => {
+            whole.paths.insert(0, ("way-points", way_points.into_iter().map(|(_, edge)| edge).collect()));
+            Ok(passages)
+        }
+        _ => Ok(passages),
+    }
+}
+
+/// Appends the pieces of a path with their proofs.
+fn path_lines(
+    text: &mut String,
+    cell: &Cell,
+    model: &Model,
+    (path, pieces): (&'static str, &[JointCurve]),
+) -> Result<(), CertifyError> {
+    let mut outside: BTreeSet<(usize, usize, usize, usize)> = BTreeSet::new();
+    let name = |index: usize| model.objects[index].name.clone();
+    for (edge, curve) in pieces.iter().enumerate() {
+        text.push_str("piece\n");
+        curve.iter().for_each(|q| line(text, "q", q));
+        let mut proof = PieceProof::new(cell, model, curve);
+        for pair in &model.pairs {
+            let ((a, b), margin_m) = *pair;
+            let tree = proof.prove(*pair).map_err(|stuck| CertifyError::NotApart {
+                path,
+                edge,
+                first: name(a),
+                second: name(b),
+                margin_m,
+                at: stuck.at,
+            })?;
+            text.push_str(&format!("p {a} {b} {}\n", tree.marks));
+            outside.extend(tree.outside.iter().map(|(i, j)| (a, b, *i, *j)));
+        }
+        for (index, bound) in model.bounds.iter().enumerate() {
+            let marks = proof.prove_bound(bound).map_err(|stuck| CertifyError::NotKept {
+                path,
+                edge,
+                bound: bound.name.clone(),
+                at: stuck.at,
+            })?;
+            text.push_str(&format!("b {index} {marks}\n"));
+        }
+    }
+    for ((a, b), _) in &model.pairs {
+        for (i, of_a) in model.objects[*a].solids.iter().enumerate() {
+            for (j, of_b) in model.objects[*b].solids.iter().enumerate() {
+                let is_mesh = of_a.faces() > 0 || of_b.faces() > 0;
+                if is_mesh && !outside.contains(&(*a, *b, i, j)) {
+                    return Err(CertifyError::NotOutside { first: name(*a), second: name(*b) });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn not_covered(what: &str) -> CertifyError {
+    CertifyError::NotCovered { what: what.to_owned() }
+}
+
+/// Checks the limits of all control points, and the start.
+fn check_values(
+    robot: &Robot,
+    start: &[f64],
+    paths: &[(&'static str, Vec<JointCurve>)],
+) -> Result<(), CertifyError> {
+    let joint = |index: usize| robot.joint_names()[index].clone();
+    let mut points = paths.iter().flat_map(|(_, path)| path).flatten();
+    if let Some(violation) = points.find_map(|q| robot.first_limit_violation(q)) {
+        return Err(CertifyError::Limit { joint: joint(violation.joint), value: violation.value });
+    }
+    let first = paths.first().and_then(|(_, path)| path.first()).map_or(start, |piece| &piece[0]);
+    let off = first.iter().zip(start).map(|(a, b)| (a - b).abs()).enumerate();
+    match off.max_by(|a, b| a.1.total_cmp(&b.1)) {
+        Some((index, off)) if off > START_TOLERANCE => Err(CertifyError::Start { joint: joint(index), off }),
+        _ => Ok(()),
+    }
+}
+
+/// Returns the goal at which the tip has arrived, with its name.
+fn goal_at(problem: &Problem, tip: &Pose) -> Result<(String, Pose), CertifyError> {
+    match (problem.goal(), problem.grasp_measure()) {
+        (Goal::Grasps(grasps), None) => {
+            let arrived = |index: &usize| problem.is_arrival(&grasps.grasps()[*index].difference(tip));
+            let index = grasps.by_score().into_iter().find(arrived).ok_or(CertifyError::Goal)?;
+            // The hand may be turned by half a turn about its approach.
+            let (grasp, turned) = (&grasps.grasps()[index], grasps.grasps()[index].twin());
+            let off = |pose: &Pose| PoseDifference::between(pose, tip).rotation_rad;
+            if off(&grasp.world_from_gripper) <= off(&turned.world_from_gripper) {
+                Ok((format!("grasp-{index}"), grasp.world_from_gripper))
+            } else {
+                Ok((format!("grasp-{index}-half-turn"), turned.world_from_gripper))
+            }
+        }
+        (Goal::Configurations(_), None) => Ok(("configuration".to_owned(), *tip)),
+        _ => Ok(("own-grasp".to_owned(), *tip)),
+    }
+}

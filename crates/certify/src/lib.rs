@@ -1,0 +1,17 @@
+#![doc = include_str!("../README.md")]
+
+mod bound_gap;
+mod certificate;
+mod error;
+mod gap;
+mod joint_curve;
+mod link_bound;
+mod model;
+mod moment;
+mod pair_tree;
+mod scene_text;
+mod span;
+mod word;
+
+pub use certificate::certificate;
+pub use error::CertifyError;

@@ -1,0 +1,194 @@
+//! Certificates of the built-in scenarios are accepted by both checkers, and plans that are false have none.
+
+use std::path::{Path, PathBuf};
+
+use assert_cmd::Command;
+
+#[path = "../../../checker/src/lib.rs"]
+#[allow(
+    clippy::all,
+    clippy::pedantic,
+    dead_code,
+    missing_docs,
+    reason = "a program of its own, with its own tests"
+)]
+pub mod checker;
+
+use checker::{check, sha256};
+
+/// Runs the program in a folder and returns the exit code, and what it printed on standard output and on standard error.
+pub fn cranny(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut command = Command::cargo_bin("cranny").expect("the program");
+    let output = command.current_dir(folder).args(arguments).output().expect("it runs");
+    let text = [output.stdout, output.stderr].concat();
+    (output.status.code(), String::from_utf8_lossy(&text).into_owned())
+}
+
+/// Plans on a built-in scenario and returns the certificate.
+pub fn certificate(folder: &Path, scenario: &str, flags: &[&str]) -> String {
+    let arguments = [&["plan", scenario, "-o", "it.plan.json", "--certificate", "it.cert"], flags].concat();
+    let (code, printed) = cranny(folder, &arguments);
+    assert_eq!(code, Some(0), "{scenario}: {printed}");
+    std::fs::read_to_string(folder.join("it.cert")).expect("a certificate")
+}
+
+fn scenarios() -> Vec<String> {
+    (1..=4).flat_map(|family| (1..=5).map(move |step| format!("0{family}{step}"))).collect()
+}
+
+fn python_agrees(folder: &Path, text: &str, is_certified: bool) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../checker/check.py");
+    let file = folder.join("python.cert");
+    std::fs::write(&file, text).expect("written");
+    match std::process::Command::new("python3").args([&script, &file]).output() {
+        Ok(output) => {
+            let printed = String::from_utf8_lossy(&output.stdout);
+            let found = output.status.success() && printed.starts_with("certified\n");
+            assert_eq!(found, is_certified, "{printed}{}", String::from_utf8_lossy(&output.stderr));
+        }
+        Err(_) => eprintln!("SKIPPED: the checker in Python (no python3)"),
+    }
+}
+
+/// Both checkers accept the certificate of each scenario, with way points and rounded corners.
+#[test]
+fn certificates_of_the_twenty_scenarios_are_accepted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for scenario in scenarios() {
+        for flags in [&[][..], &["--stop-at-corners"]] {
+            let text = certificate(folder.path(), &scenario, flags);
+            let found = check(&text).unwrap_or_else(|fault| panic!("{scenario} {flags:?}: {fault:?}"));
+            assert!(found[0].starts_with(&format!("scene {scenario} ")), "{found:?}");
+            let pairs = text.lines().filter(|line| line.starts_with("p ")).count();
+            assert!(pairs > 50 && found[2].ends_with("at least 0.00001 m apart"), "{found:?}");
+            if scenario.ends_with('1') && flags.is_empty() {
+                python_agrees(folder.path(), &text, true);
+            }
+        }
+    }
+}
+
+/// `certify` writes what `plan --certificate` does, and a margin is certified.
+#[test]
+fn a_margin_is_certified() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = certificate(folder.path(), "021", &["--margin", "3"]);
+    let (code, printed) = cranny(folder.path(), &["certify", "021", "it.plan.json", "-o", "again.cert"]);
+    assert_eq!(code, Some(0), "{printed}");
+    assert_eq!(std::fs::read_to_string(folder.path().join("again.cert")).expect("a file"), text);
+    assert!(check(&text).is_ok_and(|found| found[2].ends_with("at least 0.003 m apart")));
+}
+
+/// Returns a certificate with another line in its scene, and the hash of that scene.
+pub fn with_scene_line(text: &str, begin: &str, line: &str) -> String {
+    let old = text.lines().find(|known| known.starts_with(begin)).expect("such a line");
+    let changed = text.replacen(old, line, 1);
+    let (format, scene) = changed.split_once('\n').expect("a format");
+    let (scene, rest) = scene.split_once("hash ").expect("a hash");
+    let (_, paths) = rest.split_once('\n').expect("paths");
+    format!("{format}\n{scene}hash {}\n{paths}", sha256(scene.as_bytes()))
+}
+
+/// A greater distance than the path has is not certified, whatever the planes are.
+#[test]
+fn more_than_the_clearance_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for scenario in ["011", "024", "035", "045"] {
+        let text = certificate(folder.path(), scenario, &[]);
+        let plan = std::fs::read(folder.path().join("it.plan.json")).expect("a plan");
+        let plan: serde_json::Value = serde_json::from_slice(&plan).expect("JSON");
+        let clearance_m = plan["clearance_m"].as_f64().expect("a clearance");
+        let more = with_scene_line(&text, "margin", &format!("margin {}", clearance_m + 2e-5));
+        let (_, reason) = check(&more).expect_err("too much is claimed");
+        assert!(reason.contains("apart"), "{reason}");
+    }
+}
+
+/// Paths that were once called valid have no certificate.
+#[test]
+fn false_proofs_have_no_certificate() {
+    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/false_proofs");
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in [
+        "always_touching",
+        "false_contact",
+        "geared_joint",
+        "large_angle_1",
+        "large_angle_2",
+        "overlap_opposite",
+        "thin_hull_1",
+        "thin_hull_2",
+        "two_sided",
+    ] {
+        let scenario: PathBuf = fixtures.join(name);
+        // This one is a single configuration.
+        let file = if name == "false_contact" { "q.csv" } else { "p.csv" };
+        let (id, path) = (scenario.to_string_lossy(), scenario.join(file));
+        let (code, printed) =
+            cranny(folder.path(), &["certify", &id, &path.to_string_lossy(), "-o", "false.cert"]);
+        assert_eq!(code, Some(1), "{name}: {printed}");
+        assert!(
+            printed.contains("no certificate") && !folder.path().join("false.cert").exists(),
+            "{printed}"
+        );
+    }
+}
+
+/// The straight edge from the start to the end of a path has a certificate only if `cranny verify` proves it.
+#[test]
+fn plans_made_false_have_no_certificate() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut refused = 0;
+    for scenario in scenarios() {
+        let text = certificate(folder.path(), &scenario, &["--stop-at-corners"]);
+        let points: Vec<String> =
+            text.lines().filter_map(|line| line.strip_prefix("q ")).map(|q| q.replace(' ', ",")).collect();
+        let ends = format!("{}\n{}\n", points[0], points[points.len() - 1]);
+        std::fs::write(folder.path().join("direct.csv"), ends).expect("written");
+        let (verified, _) = cranny(folder.path(), &["verify", &scenario, "direct.csv"]);
+        let (code, printed) =
+            cranny(folder.path(), &["certify", &scenario, "direct.csv", "-o", "direct.cert"]);
+        assert_eq!(code == Some(0), verified == Some(0), "{scenario}: {printed}");
+        refused += usize::from(code != Some(0));
+    }
+    assert!(refused > 10, "{refused}");
+}
+
+/// A motion with an object in the hand has a scene for each part. The object may touch its support to 0.1 mm during lift-off.
+#[test]
+fn a_carried_object_is_certified() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (scenario, flags) in
+        [("021", ["--carry", "home"]), ("011", ["--carry", "home"]), ("012", ["--place", "outside"])]
+    {
+        let text = certificate(folder.path(), scenario, &flags);
+        let found = check(&text).unwrap_or_else(|fault| panic!("{scenario}: {fault:?}"));
+        let scenes: Vec<&[String]> =
+            found.split_inclusive(|line| line.starts_with("scene ")).skip(1).collect();
+        assert!(
+            scenes.len() >= 3
+                && found.iter().any(|line| line.starts_with(&format!("scene {scenario}/lift-off ")))
+        );
+        let lift_off = scenes[1];
+        let names = |sign: &str| lift_off.iter().filter(|line| line.starts_with(sign)).count();
+        // The object and both fingers.
+        assert_eq!((names("- "), names("+ ")), (3, 3), "{lift_off:?}");
+        assert!(lift_off.iter().any(|line| line.ends_with("-0.0001")), "{lift_off:?}");
+        assert!(!scenes[2].iter().any(|line| line.ends_with("-0.0001")), "{found:?}");
+    }
+}
+
+/// Bounds of the tool and of the tilt of a held object are part of a certificate, and a lower one is refused.
+#[test]
+fn bounds_along_the_motion_are_certified() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = certificate(folder.path(), "021", &["--carry", "home", "--upright", "30"]);
+    let found = check(&text).expect("a certificate");
+    assert!(found.iter().any(|line| line.starts_with("cone tilt ")), "{found:?}");
+    python_agrees(folder.path(), &text, true);
+    let old = text.lines().find(|line| line.starts_with("cone tilt ")).expect("a bound");
+    let angle = old.rsplit(' ').next().expect("an angle");
+    let lower = with_scene_line(&text, "cone tilt ", &old.replace(angle, "0.000001"));
+    // Only the scene with this bound has another hash.
+    assert!(check(&lower).is_err());
+}
