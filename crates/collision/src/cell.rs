@@ -6,7 +6,7 @@ use cranny_spatial::{CONTACT_M, Pose};
 
 use crate::body::cell_parts::{CellParts, Surroundings};
 use crate::body::held_body::HeldBody;
-use crate::body::link_body::{LinkBody, group_reaches, group_separation, group_separation_in};
+use crate::body::link_body::{LinkBody, group_reaches, group_separation_in};
 use crate::body::part_tree::FEW;
 use crate::body::robot_body::RobotBody;
 use crate::body::tool_bound::CellBound;
@@ -255,46 +255,6 @@ impl Cell {
         // Every skipped part is certainly farther away than required.
         let reach_m = ball.radius_m + pairs.required_m + beyond_m + CONTACT_M;
         self.around.tree.near(world_from_link * ball.center, reach_m).map(move |place| pairs.begin + place)
-    }
-
-    /// Returns true if the hand alone ([`Robot::hand_links`]), with the gripper frame of the robot's tip at `world_from_tip`,
-    /// keeps its distance from every body of the world. If not, every configuration with that tip pose is in collision.
-    pub fn hand_is_free(&self, world_from_tip: &Pose, scratch: &mut Scratch) -> bool {
-        self.hand_contact(world_from_tip, scratch).is_none()
-    }
-
-    /// Returns the first contact of the hand alone at `world_from_tip`, if any ([`Self::hand_is_free`]).
-    pub fn hand_contact(&self, world_from_tip: &Pose, scratch: &mut Scratch) -> Option<Contact> {
-        // The links of the hand are rigidly connected to the tip, so their relative poses are the same in any configuration.
-        scratch.q.fill(0.0);
-        self.robot.forward_kinematics(&scratch.q, &mut scratch.frames);
-        let tip_from_root = scratch.frames.link(self.robot.tip()).inverse();
-        let of_hand = self.pairs.with_parts().filter(|pairs| pairs.is_of_hand);
-        let mut near = of_hand.flat_map(|pairs| {
-            let link = self.bodies[pairs.body].link;
-            let world_from_link = world_from_tip * (tip_from_root * scratch.frames.link(link));
-            let near = self.near_parts(pairs, &world_from_link, 0.0);
-            near.map(move |pair| (self.pairs.get(as_index(pair)), world_from_link))
-        });
-        near.find_map(|(pair, world_from_link)| {
-            let body = &self.bodies[pair.first];
-            let Other::Part(index) = pair.second else { return None };
-            let (body_index, part) = &self.around.parts[index];
-            if body.quick_bound_to(&world_from_link, part, pair.required_m) > pair.required_m {
-                return None;
-            }
-            let shapes = body.shapes.iter().map(|(pose, solid)| (world_from_link * pose, solid));
-            let placed = std::iter::once((part.world_from_solid, &part.solid));
-            let gap = group_separation(shapes, &placed, pair.required_m);
-            (gap.lower_m < pair.required_m).then_some(Contact {
-                first: Collider::Link(body.link),
-                second: Collider::Body(*body_index),
-                clearance_m: gap.lower_m,
-                required_m: pair.required_m,
-                depth_m: 0.0,
-                point: None,
-            })
-        })
     }
 
     /// Returns the least distance over all pairs at `q` (m, rad; one per joint), in metres, as a certified lower bound; 0 in

@@ -3,6 +3,7 @@
 pub(crate) mod closest;
 pub(crate) mod demanded_pair;
 pub(crate) mod exempt_pair;
+pub(crate) mod lone_hand;
 pub(crate) mod pair_choice;
 pub(crate) mod pair_distance;
 pub(crate) mod pair_group;

@@ -46,7 +46,7 @@ fn every_fate_of_a_grasp_is_told_apart() {
     let names: Vec<_> = found.iter().map(|annotation| annotation.status.name()).collect();
     assert_eq!(names, ["solved", "hand-collides", "out-of-reach", "no-solution", "solved", "no-solution"]);
     assert_eq!(found.iter().map(|annotation| annotation.grasp).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 5]);
-    let IkStatus::HandCollides { link, body } = &found[1].status else { panic!("{:?}", found[1]) };
+    let IkStatus::HandCollides { link, body, .. } = &found[1].status else { panic!("{:?}", found[1]) };
     assert!(["palm", "left_finger", "right_finger"].contains(&link.as_str()) && body == "rock");
     let IkStatus::OutOfReach { beyond_m } = found[2].status else { panic!("{:?}", found[2]) };
     assert!(beyond_m > 3.0 && beyond_m < 5.0, "{beyond_m}");

@@ -11,8 +11,8 @@ const ATTEMPTS: usize = 200;
 ///
 /// 1. [`IkStatus::Solved`] if one of the configurations `known` (m, rad; one value per joint) is a collision-free solution.
 ///    Configurations with another number of values are skipped.
-/// 2. Otherwise the result of a few attempts of inverse kinematics: [`IkStatus::HandCollides`] and [`IkStatus::OutOfReach`] are
-///    certain, [`IkStatus::NoSolution`] is not.
+/// 2. Otherwise the result of a few attempts of inverse kinematics: [`IkStatus::OutOfReach`] is certain,
+///    [`IkStatus::HandCollides`] at the pose of the grasp itself, [`IkStatus::NoSolution`] is not.
 ///
 /// # Errors
 /// As [`annotate_ik`].

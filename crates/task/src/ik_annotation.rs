@@ -3,12 +3,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use cranny_collision::{Cell, Scratch};
 use cranny_grasp::Grasp;
 use cranny_robot::{IK_BATCH, IkSearch, IkSearchSettings, IkSettings, IkSolution, IkSolver};
-use cranny_spatial::{EXACT_TRANSLATION_M, Point, Pose, Stream};
+use cranny_spatial::{EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, Point, Pose, Stream};
 use rayon::prelude::*;
 use serde::Serialize;
 use strum::IntoStaticStr;
 
-use crate::grasping::grasp_poses::open_poses;
+use crate::grasping::grasp_poses::{gripper_poses, open_poses};
 use crate::{Problem, TaskError};
 
 /// Settings of the search for configurations at the grasps of a problem.
@@ -71,6 +71,8 @@ pub enum IkStatus {
         link: String,
         /// Name of the body of the world.
         body: String,
+        /// True if it is proven that the hand touches the world wherever it is within the tolerance of the grasp or of its twin.
+        is_proven: bool,
     },
     /// The grasp is beyond the reach of the arm, for every position of its base.
     OutOfReach {
@@ -89,6 +91,11 @@ pub enum IkStatus {
 }
 
 impl IkStatus {
+    /// Returns true if it is proven that no free configuration exists at the grasp, within the tolerance of `exact`.
+    pub fn is_proven_impossible(&self) -> bool {
+        matches!(self, Self::OutOfReach { .. } | Self::HandCollides { is_proven: true, .. })
+    }
+
     /// Name in the output of `--json`.
     pub fn name(&self) -> &'static str {
         self.into()
@@ -151,7 +158,11 @@ fn annotate_one(
         Ok(poses) => poses,
         Err(contact) => {
             let [link, body] = contact.names(cell);
-            let status = IkStatus::HandCollides { link, body };
+            let is_blocked = |pose: &Pose| {
+                cell.hand_is_blocked_near(pose, (EXACT_TRANSLATION_M, EXACT_ROTATION_RAD), &mut scratch)
+            };
+            let is_proven = gripper_poses(goal).iter().all(is_blocked);
+            let status = IkStatus::HandCollides { link, body, is_proven };
             return IkAnnotation { grasp, status, solutions: Vec::new(), attempts: 0 };
         }
     };

@@ -31,6 +31,8 @@ struct Answered<'a> {
 struct Annotated<'a> {
     grasp: usize,
     status: &'static str,
+    /// True if it is proven that no free configuration exists at the grasp.
+    proven_impossible: bool,
     blocked_by: Option<String>,
     attempts: usize,
     solutions: &'a [AnnotatedSolution],
@@ -81,7 +83,7 @@ pub fn filled_hand(problem: &Problem) -> Result<(), Failure> {
 
 fn blocked_by(status: &IkStatus) -> Option<String> {
     match status {
-        IkStatus::HandCollides { link, body } => Some(format!("{link} against {body}")),
+        IkStatus::HandCollides { link, body, .. } => Some(format!("{link} against {body}")),
         IkStatus::NoSolution { contact: Some((first, second)), .. } => {
             Some(format!("{first} against {second}"))
         }
@@ -93,6 +95,7 @@ fn annotated(annotation: &IkAnnotation) -> Annotated<'_> {
     Annotated {
         grasp: annotation.grasp,
         status: annotation.status.name(),
+        proven_impossible: annotation.status.is_proven_impossible(),
         blocked_by: blocked_by(&annotation.status),
         attempts: annotation.attempts,
         solutions: &annotation.solutions,
@@ -125,6 +128,11 @@ fn page(id: &str, annotations: &[IkAnnotation], solved: usize) -> String {
             IkStatus::Stopped => "stopped before it was tried".to_owned(),
         };
         *reasons.entry(reason).or_default() += 1;
+    }
+    let impossible = annotations.iter().filter(|a| a.status.is_proven_impossible()).count();
+    if solved < annotations.len() {
+        let undecided = annotations.len() - solved - impossible;
+        let _ = writeln!(page, "  of the others {impossible} are proven impossible, {undecided} undecided");
     }
     for (reason, count) in reasons {
         let _ = writeln!(page, "  {count:>4}  {reason}");
