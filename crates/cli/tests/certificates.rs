@@ -171,8 +171,9 @@ fn a_carried_object_is_certified() {
         );
         let lift_off = scenes[1];
         let names = |sign: &str| lift_off.iter().filter(|line| line.starts_with(sign)).count();
-        // The object and both fingers.
-        assert_eq!((names("- "), names("+ ")), (3, 3), "{lift_off:?}");
+        // The object and both fingers; a table in parts is listed part by part, as the object may touch only one of them.
+        let of_parts = lift_off.iter().filter(|line| line.starts_with("+ table/")).count();
+        assert_eq!((names("- "), names("+ ")), (3 + usize::from(of_parts > 0), 3 + of_parts), "{lift_off:?}");
         assert!(lift_off.iter().any(|line| line.ends_with("-0.0001")), "{lift_off:?}");
         assert!(!scenes[2].iter().any(|line| line.ends_with("-0.0001")), "{found:?}");
     }

@@ -44,7 +44,7 @@ impl Cell {
         self.scratch().frames
     }
 
-    /// Returns the solids of a link that are compared, each with its pose in the link.
+    /// Returns the solids of a link that are compared, each with its pose in the frame of the link.
     pub fn solids_of(&self, link: usize) -> &[(Pose, Solid)] {
         self.bodies.iter().find(|body| body.link == link).map_or(&[], |body| &body.shapes)
     }
