@@ -15,6 +15,7 @@ pub use error::PlanError;
 pub use neighbours::nearest::{EXACT_BELOW, FARTHER_BY, NearestNeighbours};
 pub use optimise::{Improvement, OptimiseSettings, Optimised, better, optimise};
 pub use planners::approach_rrt::ApproachRrt;
+pub use planners::cbirrt2::Cbirrt2;
 pub use planners::grasp_reach::GraspReach;
 pub use planners::grasp_rrt::GraspRrt;
 pub use planners::ik_rbt::IkRbt;

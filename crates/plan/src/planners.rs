@@ -1,6 +1,7 @@
 //! Planners, one per file, and the registry that lists them by name.
 
 pub(crate) mod approach_rrt;
+pub(crate) mod cbirrt2;
 pub(crate) mod even_sequence;
 pub(crate) mod grasp_reach;
 pub(crate) mod grasp_rrt;

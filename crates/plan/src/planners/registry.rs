@@ -7,8 +7,8 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use crate::{
-    ApproachRrt, Budget, Chomp, Gomp, GraspReach, GraspRrt, IkRbt, IkRrt, JPlusRbt, JPlusRrt, Omg, Outcome,
-    PlanError, Planner, Prm, RbtConnect, Reach, Rrt, RrtConnect, RrtStar, Stomp, Unobserved,
+    ApproachRrt, Budget, Cbirrt2, Chomp, Gomp, GraspReach, GraspRrt, IkRbt, IkRrt, JPlusRbt, JPlusRrt, Omg,
+    Outcome, PlanError, Planner, Prm, RbtConnect, Reach, Rrt, RrtConnect, RrtStar, Stomp, Unobserved,
 };
 
 /// Planners by name. [`Registry::default`] has the built-in ones, and [`Registry::with`] adds others.
@@ -58,6 +58,7 @@ impl Default for Registry {
             Entry::of::<JPlusRbt>(),
             Entry::of::<GraspRrt>(),
             Entry::of::<ApproachRrt>(),
+            Entry::of::<Cbirrt2>(),
             Entry::of::<Chomp>(),
             Entry::of::<Stomp>(),
             Entry::of::<Omg>(),
