@@ -311,6 +311,9 @@ class Scenario:
     @property
     def places(self) -> list[str]: ...
     @property
+    def regions(self) -> dict[str, dict[str, Any]]: ...
+    def grasp_regions(self, grasp: int) -> list[dict[str, Any]]: ...
+    @property
     def tasks(self) -> dict[str, list[dict[str, Any]]]: ...
     @property
     def known_goals(self) -> _Floats: ...
@@ -513,6 +516,7 @@ def plan(
     score: str | None = None,
     min_score: float | None = None,
     carry: str | ArrayLike | None = None,
+    goal_region: str | Mapping[str, Any] | Sequence[str] | Sequence[Mapping[str, Any]] | None = None,
     place: str | None = None,
     task: str | Sequence[Mapping[str, Any]] | None = None,
     then: str | None = None,

@@ -11,6 +11,7 @@ use cranny_record::{CarryGoal, PlanFile, PlanOptions, SpeedOption, SpeedOptions,
 use cranny_robot::Robot;
 use cranny_sim::{SimulatedAnswer, solve_in_physics};
 use cranny_solve::{PoseRadius, solve};
+use cranny_task::Move;
 use cranny_view::WatchedSearch;
 use pyo3::prelude::*;
 
@@ -52,6 +53,12 @@ fn pace_of(what: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<SpeedOp
         Ok(SpeedOption { mode, value })
     };
     by_mode.into_iter().map(word).collect()
+}
+
+/// Parses goal regions.
+fn goal_of(value: &Bound<'_, PyAny>) -> PyResult<Move> {
+    let value = value_of("goal_region", "the name of a region, a region, or a list of them", value)?;
+    PlanOptions::goal_of(value).map_err(|problem| bad_value(format!("goal_region: {problem}")))
 }
 
 /// Parses the name of a task, or its stages.
@@ -116,6 +123,9 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 /// `upright_deg`: maximum tilt, above 0 and at most 180, of a held object relative to its orientation when grasped, proven
 /// along the whole motion; `plan.tilt` is the result. `plan.tool` lists the tool bounds of the scenario.
 ///
+/// `goal_region`: region of poses of the hand in which the path ends, instead of at a grasp: the name of one of
+/// `scenario.regions`, or a dictionary of that form, or a list of them, any of which is a goal.
+///
 /// `carry`: destination of the grasped target, "home", "out", a configuration (dof,) or several (N, dof); "out" is any
 /// configuration in which it is `clear_m` (m) clear of all bodies but floors. A grasp from which it cannot be carried there is
 /// rejected; `plan.segments` lists the segments. `place`: name of one of `scenario.places`, where the target is put down
@@ -137,7 +147,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
     grasp_margin_m=None, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
     cost=None, score_weight=1.0, jerk_limited=None, blend=true, speed=None,
     acceleration=None, tool_speed_m_s=None, turn_speed_deg_s=None, torque=false, upright_deg=None, score=None, min_score=None,
-    carry=None, place=None, task=None, then=None, clear_m=None, approach_m=None, retreat_m=None, robust=None, hold=1.5, try_in_physics=None, watch=None))]
+    carry=None, goal_region=None, place=None, task=None, then=None, clear_m=None, approach_m=None, retreat_m=None, robust=None, hold=1.5, try_in_physics=None, watch=None))]
 #[allow(
     clippy::too_many_arguments,
     clippy::fn_params_excessive_bools,
@@ -169,6 +179,7 @@ pub fn plan(
     score: Option<&str>,
     min_score: Option<f64>,
     carry: Option<&Bound<'_, PyAny>>,
+    goal_region: Option<&Bound<'_, PyAny>>,
     place: Option<String>,
     task: Option<&Bound<'_, PyAny>>,
     then: Option<&str>,
@@ -235,6 +246,7 @@ pub fn plan(
         tool_m_s: asked.tool_m_s,
         torque,
         carry: carry.map(|carry| carry_of(carry, asked.problem.robot())).transpose()?,
+        goal_region: goal_region.map(goal_of).transpose()?,
         place,
         task: task.map(task_of).transpose()?,
         then: then

@@ -117,6 +117,7 @@ impl PyScenario {
             has_grasp_set: grasps.is_some() || target.is_none(),
             ik: Vec::new(),
             places: Vec::new(),
+            regions: BTreeMap::new(),
             tasks: Vec::new(),
             physics: BTreeMap::new(),
             colours: BTreeMap::new(),
@@ -227,6 +228,24 @@ impl PyScenario {
     #[getter]
     fn places(&self) -> Vec<String> {
         self.scenario.places.iter().map(|place| place.name.clone()).collect()
+    }
+
+    /// Goal regions, by name, each a dictionary as in `scenario.yaml`, in the planning frame.
+    #[getter]
+    fn regions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &self.scenario.regions)
+    }
+
+    /// Regions of the poses at which the hand is to the target as at one of its grasps, by the symmetry of the target: turned
+    /// about its axis, slid along it, flipped. Each is a dictionary of the form of `goal_region` of `plan`. `grasp`: index.
+    fn grasp_regions<'py>(&self, py: Python<'py>, grasp: usize) -> PyResult<Bound<'py, PyAny>> {
+        let target = self.scenario.target.ok_or_else(|| bad_value("the scenario has no target"))?;
+        let grasps = self.scenario.grasps.grasps();
+        let chosen = grasps.get(grasp).ok_or_else(|| {
+            bad_value(format!("grasp is {grasp}, but the scenario has {} grasps", grasps.len()))
+        })?;
+        let body = &self.scenario.world.bodies()[target];
+        python_of(py, &cranny_task::grasp_regions(body, &chosen.world_from_gripper))
     }
 
     /// Tasks of several stages, by name: for each a list of dictionaries of `pick`, `move` or `place`, with their settings.

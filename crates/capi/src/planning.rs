@@ -54,6 +54,7 @@ struct Options {
     score: Option<String>,
     min_score: Option<f64>,
     carry: Option<Carry>,
+    goal_region: Option<Value>,
     place: Option<String>,
     task: Option<Task>,
     then: Option<String>,
@@ -91,6 +92,7 @@ impl Default for Options {
             score: None,
             min_score: None,
             carry: None,
+            goal_region: None,
             place: None,
             task: None,
             then: None,
@@ -222,6 +224,7 @@ impl Options {
             tool_m_s: asked.tool_m_s,
             torque: self.torque,
             carry: carry.transpose()?,
+            goal_region: self.goal_region.map(PlanOptions::goal_of).transpose().map_err(refused)?,
             place: self.place,
             task: self.task.map(|task| match task {
                 Task::Named(name) => TaskSelection::Named(name),
@@ -262,7 +265,7 @@ impl Observer for Stopper {
 /// ones: "planner" (a name), "seed" (0; the same seed and iterations give the same way points on every machine), "time_limit_s"
 /// (120), "iterations", "margin_m" and "grasp_margin_m" (clearances that the proof must show), "optimise_s" (seconds for better
 /// paths) and "cost", "speed" and "acceleration" (fractions of the limits), "tool_speed_m_s", "jerk_limited", "upright_deg",
-/// "carry" ("home", "out" or configurations), "place", "task", "robust". docs/cpp.md lists all.
+/// "carry" ("home", "out" or configurations), "goal_region", "place", "task", "robust". docs/cpp.md lists all.
 ///
 /// `should_stop`: NULL, or a function that is called with `context` and ends the search by returning true.
 #[unsafe(no_mangle)]

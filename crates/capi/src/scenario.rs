@@ -105,6 +105,7 @@ fn scenario_of(id: String, robot: Arc<Robot>, world: World, start: Vec<f64>) -> 
         has_grasp_set: true,
         ik: Vec::new(),
         places: Vec::new(),
+        regions: BTreeMap::new(),
         tasks: Vec::new(),
         physics: BTreeMap::new(),
         colours: BTreeMap::new(),

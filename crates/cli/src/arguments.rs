@@ -185,6 +185,10 @@ pub struct PlanArguments {
     /// hand. A grasp with which it cannot be brought there is rejected
     #[arg(long, value_name = "PLACE")]
     pub place: Option<String>,
+    /// Move the hand into a region of the scenario instead of to a grasp (`regions` in its scenario.yaml; `cranny info` lists
+    /// them). Give the flag again for other regions, any of which is a goal
+    #[arg(long, value_name = "NAME", action = clap::ArgAction::Append)]
+    pub goal_region: Vec<String>,
     /// Plan a task of several stages (`tasks` in the scenario.yaml; `cranny info` lists them)
     #[arg(long = "task", value_name = "NAME")]
     pub named_task: Option<String>,

@@ -4,7 +4,7 @@ use cranny_collision::{Cell, Collider, Contact, MeasureOptions, Motion, NearestP
 use cranny_grasp::GraspSet;
 use cranny_robot::{between, distance};
 use cranny_spatial::PoseDifference;
-use cranny_task::{FoundGrasp, Goal, NotChecked, Problem, Validity};
+use cranny_task::{FoundGrasp, Goal, NotChecked, Problem, Region, Validity};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -293,6 +293,14 @@ fn judge_end(
                 violations.push(Violation::at_way_point(way_point, Cause::Grasp { nearest }));
             }
             nearest
+        }
+        (Goal::Regions(regions), None) => {
+            let robot = problem.robot();
+            let pose = *robot.frames_at(last).link(robot.tip());
+            let fault = Region::fault_of_all(regions, |_| Some(pose)).filter(|_| must_arrive);
+            violations
+                .extend(fault.map(|fault| Violation::at_way_point(way_point, Cause::NotThere { fault })));
+            None
         }
         (Goal::Configurations(goals), None) => {
             // A goal is as far away as its joint with the largest offset; the nearest goal is reported.

@@ -1,7 +1,7 @@
 use cranny_collision::Resting;
 use cranny_task::{
-    Carrier, ContactSegment, Grip, Mode, MotionEnd, Move, Placed, Placer, Problem, Segment, Stage, State,
-    StateSequence, are_complete, check_segments, joined, straight_line,
+    Carrier, ContactSegment, Grip, Mode, MotionEnd, Move, Moved, Placed, Placer, Problem, Region, Segment,
+    Stage, State, StateSequence, are_complete, check_segments, joined, straight_line,
 };
 
 use crate::corner_audit::audit_corners;
@@ -226,8 +226,9 @@ impl TaskJudge<'_> {
         if !self.settings.at_goal {
             return Ok(());
         }
-        if let Move::Region(region) = goal {
-            let fault = state.pose_of(region.moved, run.end()).and_then(|pose| region.fault_at(&pose));
+        if let Some(regions) = goal.regions(self.problem)? {
+            let pose_of = |moved: Moved| state.pose_of(moved, run.end());
+            let fault = Region::fault_of_all(&regions, pose_of);
             let violation = |fault| Violation::at_way_point(run.last(), Cause::NotThere { fault });
             audit.violations.extend(fault.map(violation));
         }

@@ -18,6 +18,7 @@ pub use planners::approach_rrt::ApproachRrt;
 pub use planners::baselines::est::Est;
 pub use planners::baselines::kpiece::Kpiece;
 pub use planners::baselines::lazy_prm::LazyPrm;
+pub use planners::cbirrt2::Cbirrt2;
 pub use planners::grasp_reach::GraspReach;
 pub use planners::grasp_rrt::GraspRrt;
 pub use planners::ik_rbt::IkRbt;

@@ -18,5 +18,6 @@ pub(crate) mod jacobian_search;
 pub(crate) mod no_grasp;
 pub(crate) mod path_search;
 pub(crate) mod planner;
+pub(crate) mod pose_source;
 pub(crate) mod ranges;
 pub(crate) mod search_state;

@@ -17,6 +17,7 @@ mod optimise;
 mod optimisers;
 mod own_grasps;
 mod planners;
+mod regions;
 mod roadmap;
 mod shortcut;
 mod trajectory;

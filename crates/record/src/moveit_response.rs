@@ -98,7 +98,10 @@ fn code_of(answer: &Answer, faults: &[ConfigurationFault]) -> i32 {
         Outcome::Solved => code::INVALID_MOTION_PLAN,
         Outcome::BudgetExhausted => code::TIMED_OUT,
         Outcome::Cancelled => code::PREEMPTED,
-        Outcome::GaveUp | Outcome::ClaimedNotProven | Outcome::NoReachableGrasp => code::PLANNING_FAILED,
+        Outcome::GaveUp
+        | Outcome::ClaimedNotProven
+        | Outcome::NoReachableGrasp
+        | Outcome::RegionOutOfReach => code::PLANNING_FAILED,
         Outcome::StartInvalid => of_fault([
             code::START_STATE_IN_COLLISION,
             code::START_STATE_VIOLATES_PATH_CONSTRAINTS,

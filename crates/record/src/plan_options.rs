@@ -56,6 +56,8 @@ pub struct PlanOptions {
     pub is_timing_demanded: bool,
     /// Goal of a carry.
     pub carry: Option<CarryGoal>,
+    /// Goal regions of the hand, instead of a grasp ([`Self::goal_of`]).
+    pub goal_region: Option<Move>,
     /// Name of the placement goal of the target.
     pub place: Option<String>,
     /// Task of several stages.
@@ -118,6 +120,7 @@ impl Default for PlanOptions {
             torque: false,
             is_timing_demanded: false,
             carry: None,
+            goal_region: None,
             place: None,
             task: None,
             then: None,
@@ -192,6 +195,24 @@ impl PlanOptions {
         Ok((request, task))
     }
 
+    /// Parses goal regions: the name of a region of the scenario, or a region in the format of `scenario.yaml`, or a list of
+    /// either.
+    ///
+    /// # Errors
+    /// The fault, in words.
+    pub fn goal_of(value: Value) -> Result<Move, String> {
+        let fault = |fault: serde_json::Error| fault.to_string();
+        let is_name = |value: &Value| value.is_string();
+        match value {
+            Value::String(name) => Ok(Move::NamedRegions(vec![name])),
+            Value::Array(values) if values.iter().all(is_name) => {
+                serde_json::from_value(Value::Array(values)).map(Move::NamedRegions).map_err(fault)
+            }
+            Value::Array(_) => serde_json::from_value(value).map(Move::Regions).map_err(fault),
+            _ => serde_json::from_value(value).map(|region| Move::Regions(vec![region])).map_err(fault),
+        }
+    }
+
     /// Returns stages with the requested straight approaches and retreats.
     fn straight(&self, problem: &Problem, mut stages: Vec<Stage>) -> Result<Vec<Stage>, RecordError> {
         if self.approach_m.is_some() && stages.is_empty() {
@@ -226,11 +247,15 @@ impl PlanOptions {
     fn stages(&self, scenario: Option<&Scenario>) -> Result<(Vec<Stage>, Option<NamedTask>), RecordError> {
         let refuse =
             |field, problem: &str| Err(RecordError::PlanOptions { field, problem: problem.to_owned() });
-        let asked =
-            [("carry", self.carry.is_some()), ("place", self.place.is_some()), ("task", self.task.is_some())];
+        let asked = [
+            ("goal_region", self.goal_region.is_some()),
+            ("carry", self.carry.is_some()),
+            ("place", self.place.is_some()),
+            ("task", self.task.is_some()),
+        ];
         let mut asked = asked.into_iter().filter(|(_, is_asked)| *is_asked).map(|(field, _)| field);
         if let (Some(_), Some(second)) = (asked.next(), asked.next()) {
-            return refuse(second, "only one of `carry`, `place` and a task can be given");
+            return refuse(second, "only one of a goal region, `carry`, `place` and a task can be given");
         }
         if self.then.is_some() && self.place.is_none() {
             return refuse(
@@ -246,6 +271,9 @@ impl PlanOptions {
             return refuse("clear", "it is only valid with `carry` out, `place` and tasks");
         }
         let clear_m = self.clear_m.unwrap_or(CLEAR_M);
+        if let Some(goal) = &self.goal_region {
+            return Ok((vec![Stage::Move(goal.clone())], None));
+        }
         if let Some(place) = &self.place {
             let place = PlaceAt { clear_m, ..PlaceAt::named(place) };
             return Ok((Stage::put_down(place, self.then.unwrap_or_default()), None));

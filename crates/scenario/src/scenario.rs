@@ -7,7 +7,7 @@ use cranny_grasp::GraspSet;
 use cranny_robot::Robot;
 use cranny_shape::Surface;
 use cranny_spatial::Pose;
-use cranny_task::{Criterion, Goal, Pick, PlaceGoal, Problem, Stage, TaskError, Weight};
+use cranny_task::{Criterion, Goal, Pick, PlaceGoal, Problem, Region, Stage, TaskError, Weight};
 use strum::{EnumString, IntoStaticStr};
 
 use crate::robot::hand;
@@ -49,6 +49,8 @@ pub struct Scenario {
     pub ik: Vec<Vec<f64>>,
     /// Goals where the target can be placed.
     pub places: Vec<PlaceGoal>,
+    /// Goal regions by name, in the planning frame; often none.
+    pub regions: BTreeMap<String, Region>,
     /// Named tasks of several stages; often none.
     pub tasks: Vec<NamedTask>,
     /// Stated mass and friction of bodies other than the target, by name.
@@ -160,7 +162,8 @@ impl Scenario {
         if let (Some(target), Some(weight)) = (self.target, self.target_weight()) {
             weights[target] = weight;
         }
-        let problem = self.problem_with_grasp_set(margins)?.with_places(&self.places);
+        let problem =
+            self.problem_with_grasp_set(margins)?.with_places(&self.places).with_regions(&self.regions);
         let problem = problem.with_frictions(&frictions).with_weights(&weights);
         if self.has_grasp_set {
             return Ok(problem);
@@ -233,7 +236,8 @@ impl Scenario {
         let places = self.places.iter().map(|place| place.in_frame(&lower)).collect();
         let bounds = self.world.tool_bounds().iter().map(|bound| bound.in_frame(&lower)).collect();
         let world = self.world.with_bodies(bodies)?.with_tool_bounds(bounds)?;
-        Ok(Self { world, grasps: self.grasps.moved(&lower), places, ..self })
+        let regions = in_frame(&self.regions, &lower);
+        Ok(Self { world, grasps: self.grasps.moved(&lower), places, regions, ..self })
     }
 
     /// Returns the scenario with grasps that suit its robot: half a turn of a tool is another grasp.
@@ -256,6 +260,11 @@ impl Scenario {
             joints: self.robot.joint_names().join(", "),
         })
     }
+}
+
+/// Returns regions in a new frame; `new_from_old` is the pose of the present frame in it.
+pub(crate) fn in_frame(regions: &BTreeMap<String, Region>, new_from_old: &Pose) -> BTreeMap<String, Region> {
+    regions.iter().map(|(name, region)| (name.clone(), region.in_frame(new_from_old))).collect()
 }
 
 /// Minimum height of link frames in the released check, in metres in the planning frame.

@@ -39,6 +39,23 @@ pub enum TaskError {
         /// The available names.
         known: String,
     },
+    /// A task names a region that the problem does not have.
+    #[error(
+        "unknown region '{name}' (known: {known}; see `regions` in scenario.yaml){}",
+        did_you_mean(name, known.split(", ").map(|known| known.trim_matches('\'')))
+    )]
+    UnknownRegion {
+        /// The name that was requested.
+        name: String,
+        /// The available names.
+        known: String,
+    },
+    /// A region cannot be the goal of a problem.
+    #[error("{problem}")]
+    Region {
+        /// The fault.
+        problem: String,
+    },
     /// An object cannot be put down at the requested goal.
     #[error("{problem}")]
     Place {

@@ -2,6 +2,7 @@
 
 mod configuration_fault;
 mod error;
+mod goal;
 mod grasping;
 mod ik_annotation;
 mod not_checked;
@@ -11,12 +12,14 @@ mod stages;
 
 pub use configuration_fault::ConfigurationFault;
 pub use error::TaskError;
+pub use goal::Goal;
 pub use grasping::closing_hand::{ClosedHand, ClosingHand};
 pub use grasping::found_grasp::FoundGrasp;
 pub use grasping::grasp_failure::{FailureReason, GraspFailure};
 pub use grasping::grasp_filter::GraspFilter;
 pub use grasping::grasp_measure::GraspMeasure;
 pub use grasping::grasp_poses::{gripper_poses, open_gripper_poses};
+pub use grasping::grasp_regions::grasp_regions;
 pub use grasping::hand_filter::{APPROACH_M, HandFilter, robot_hand};
 pub use grasping::load_model::{LoadModel, Weight};
 pub use ik_annotation::{
@@ -29,10 +32,11 @@ pub use placing::place_goal::{PlaceGoal, PlaceRegion};
 pub use placing::placed::Placed;
 pub use placing::placement::Placement;
 pub use problem::Validity;
-pub use problem::{Criterion, Goal, PAPER_THRESHOLD, Problem};
+pub use problem::{Criterion, PAPER_THRESHOLD, Problem};
 pub use stages::corner::RoundedCorner;
 pub use stages::payload::Payload;
-pub use stages::region::{Moved, Region};
+pub use stages::pose_bounds::PoseBounds;
+pub use stages::region::{Moved, Region, RegionFrame};
 pub use stages::segment::{Mode, MotionEnd, Segment, give_clearances, joined, joined_corners, legs};
 pub use stages::speed_limits::SpeedLimits;
 pub use stages::stage::{AfterPlacing, CLEAR_M, FARTHEST_CLEAR_M, Move, Pick, PlaceAt, Stage};

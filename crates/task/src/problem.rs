@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use cranny_collision::{Cell, Margins, ReleasedCheck, World};
@@ -10,7 +11,7 @@ use strum::{EnumString, IntoStaticStr};
 use crate::grasping::grasp_filter::GraspFilter;
 use crate::grasping::grasp_poses;
 use crate::grasping::load_model::{LoadModel, Weight, Weights};
-use crate::{FailureReason, GraspMeasure, NotChecked, PlaceGoal, TaskError};
+use crate::{FailureReason, Goal, GraspMeasure, NotChecked, PlaceGoal, Region, TaskError};
 
 /// A motion planning problem with its criterion of validity. Its start and goal are checked against the robot on creation.
 #[derive(Clone, Debug)]
@@ -24,19 +25,12 @@ pub struct Problem {
     grasp_filter: Option<GraspFilter>,
     /// Goals for putting an object down.
     places: Arc<[PlaceGoal]>,
+    /// Regions by name.
+    regions: Arc<BTreeMap<String, Region>>,
     /// Coefficients of friction between bodies and pads, by index of the body.
     frictions: Arc<[Option<f64>]>,
     pub(crate) weights: Arc<Weights>,
     validity: Validity,
-}
-
-/// Goal of a path.
-#[derive(Clone, Debug)]
-pub enum Goal {
-    /// Any of these grasps; empty for a problem without a set, which has a [`Problem::grasp_measure`].
-    Grasps(GraspSet),
-    /// Any of these configurations (m, rad; one value per joint).
-    Configurations(Vec<Vec<f64>>),
 }
 
 /// Criterion by which a problem counts as solved (README, "What solved means").
@@ -133,6 +127,7 @@ impl Problem {
             grasp_measure: None,
             grasp_filter: None,
             places: Arc::default(),
+            regions: Arc::default(),
             frictions: Arc::default(),
             weights: Arc::default(),
             validity,
@@ -254,6 +249,12 @@ impl Problem {
         &self.places
     }
 
+    /// Returns this problem with regions by name, which tasks may refer to.
+    #[must_use]
+    pub fn with_regions(self, regions: &BTreeMap<String, Region>) -> Self {
+        Self { regions: Arc::new(regions.clone()), ..self }
+    }
+
     /// Returns true if the hand alone is free at one of the given grasps, or if none are given; otherwise no path reaches one.
     pub fn may_be_grasped(&self) -> bool {
         let (Some(cell), Some(grasps)) =
@@ -274,9 +275,19 @@ impl Problem {
     /// [`TaskError::UnknownPlace`], which lists the available names.
     pub fn place(&self, name: &str) -> Result<&PlaceGoal, TaskError> {
         self.places.iter().find(|place| place.name == name).ok_or_else(|| {
-            let known = self.places.iter().map(|place| format!("'{}'", place.name)).collect::<Vec<_>>();
-            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+            let known = listed(self.places.iter().map(|place| &place.name));
             TaskError::UnknownPlace { name: name.to_owned(), known }
+        })
+    }
+
+    /// Returns the region of that name.
+    ///
+    /// # Errors
+    /// [`TaskError::UnknownRegion`], which lists the available names.
+    pub fn region(&self, name: &str) -> Result<&Region, TaskError> {
+        self.regions.get(name).ok_or_else(|| {
+            let known = listed(self.regions.keys());
+            TaskError::UnknownRegion { name: name.to_owned(), known }
         })
     }
 
@@ -305,12 +316,9 @@ impl Problem {
         self.grasp_measure.as_deref()
     }
 
-    /// Goal grasps; `None` if the goal is configurations.
+    /// Goal grasps; `None` for another goal.
     pub fn grasps(&self) -> Option<&GraspSet> {
-        match &self.goal {
-            Goal::Grasps(grasps) => Some(grasps),
-            Goal::Configurations(_) => None,
-        }
+        if let Goal::Grasps(grasps) = &self.goal { Some(grasps) } else { None }
     }
 
     /// The criterion that decides.
@@ -406,11 +414,7 @@ impl Problem {
         if self.grasp_measure.is_some() {
             return Err(TaskError::NoGraspSet);
         }
-        let is_empty = match &self.goal {
-            Goal::Grasps(grasps) => grasps.is_empty(),
-            Goal::Configurations(goals) => goals.is_empty(),
-        };
-        if is_empty { Err(TaskError::NoGoal) } else { Ok(&self.goal) }
+        if self.goal.is_empty() { Err(TaskError::NoGoal) } else { Ok(&self.goal) }
     }
 
     /// Returns the measure of grasps for `planner`, which generates its own.
@@ -435,12 +439,9 @@ impl Problem {
         }
     }
 
-    /// Goal configurations (m, rad; one value per joint); empty if the goal is grasps.
+    /// Goal configurations (m, rad; one value per joint); empty for another goal.
     pub fn goal_configurations(&self) -> &[Vec<f64>] {
-        match &self.goal {
-            Goal::Grasps(_) => &[],
-            Goal::Configurations(goals) => goals,
-        }
+        if let Goal::Configurations(goals) = &self.goal { goals } else { &[] }
     }
 
     /// Checks this problem. Moves the start within the limits of continuous joints, and the goals by whole turns of these
@@ -449,6 +450,9 @@ impl Problem {
         let goals = self.goal_configurations();
         for (what, q) in std::iter::once(("start", &self.start)).chain(goals.iter().map(|q| ("goal", q))) {
             self.check_configuration(what, q)?;
+        }
+        if let Some(problem) = self.goal.region_fault() {
+            return Err(TaskError::Region { problem });
         }
         let (robot, start) = (self.robot.clone(), &mut self.start);
         robot.turn_into_limits(start);
@@ -477,4 +481,10 @@ impl Problem {
             None => Ok(()),
         }
     }
+}
+
+/// Returns quoted names in a row; `none` if there are none.
+fn listed<'a>(names: impl Iterator<Item = &'a String>) -> String {
+    let names: Vec<String> = names.map(|name| format!("'{name}'")).collect();
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }

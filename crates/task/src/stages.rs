@@ -2,7 +2,9 @@
 
 pub(crate) mod corner;
 pub(crate) mod payload;
+pub(crate) mod pose_bounds;
 pub(crate) mod region;
+pub(crate) mod region_row;
 pub(crate) mod segment;
 pub(crate) mod speed_limits;
 pub(crate) mod stage;

@@ -97,7 +97,8 @@ impl TrialOutcome {
             Outcome::StartInvalid => Self::StartInvalid,
             Outcome::GoalsInvalid => Self::GoalsInvalid,
             Outcome::ClaimedNotProven => Self::ClaimedNotProven,
-            Outcome::NoReachableGrasp => Self::NoReachableGrasp,
+            // No trial has a region as its goal.
+            Outcome::NoReachableGrasp | Outcome::RegionOutOfReach => Self::NoReachableGrasp,
         }
     }
 

@@ -22,6 +22,7 @@ struct Info {
     bodies: Vec<Body>,
     target: Option<String>,
     places: Vec<String>,
+    regions: Vec<String>,
     tasks: Vec<String>,
     grasps: usize,
     scored_grasps: usize,
@@ -55,6 +56,7 @@ pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure>
             .collect(),
         target: scenario.target.map(|target| world.bodies()[target].name.clone()),
         places: scenario.places.iter().map(|place| place.name.clone()).collect(),
+        regions: scenario.regions.keys().cloned().collect(),
         tasks: scenario.tasks.iter().map(|task| task.name.clone()).collect(),
         grasps: scenario.grasps.len(),
         scored_grasps: scenario.grasps.grasps().iter().filter(|g| g.score.is_some()).count(),
@@ -86,6 +88,9 @@ fn page(info: &Info) -> String {
     }
     for (index, place) in info.places.iter().enumerate() {
         line(if index == 0 { "places" } else { "" }, place.clone());
+    }
+    for (index, region) in info.regions.iter().enumerate() {
+        line(if index == 0 { "regions" } else { "" }, region.clone());
     }
     for (index, task) in info.tasks.iter().enumerate() {
         line(if index == 0 { "tasks" } else { "" }, task.clone());

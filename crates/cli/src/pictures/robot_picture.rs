@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use cranny_grasp::GraspSet;
@@ -49,11 +50,12 @@ fn scene(recipe: &RecipeRobot) -> Result<(Scene, Scenario), Failure> {
         grasps: GraspSet::default(),
         ik: Vec::new(),
         places: Vec::new(),
+        regions: BTreeMap::new(),
         tasks: Vec::new(),
-        physics: std::collections::BTreeMap::new(),
-        colours: std::collections::BTreeMap::new(),
+        physics: BTreeMap::new(),
+        colours: BTreeMap::new(),
         tool_bounds: Vec::new(),
-        joint_bounds: std::collections::BTreeMap::new(),
+        joint_bounds: BTreeMap::new(),
         speeds: Vec::new(),
     };
     let scenario = recipe.scenario(recipe.robot.robot.name(), &OpenOptions::default())?;

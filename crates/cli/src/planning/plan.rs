@@ -13,6 +13,7 @@ use cranny_record::{
 use cranny_scenario::STEPS;
 use cranny_sim::{SimulatedAnswer, solve_in_physics};
 use cranny_solve::solve;
+use cranny_task::Move;
 
 use crate::arguments::{Output, PlanArguments};
 use crate::failure::Failure;
@@ -168,6 +169,8 @@ fn ask(arguments: &PlanArguments, joints: usize) -> Result<PlanOptions, Failure>
         is_timing_demanded: arguments.rate.is_some(),
         carry: arguments.carry.as_deref().map(|given| carry(given, joints)).transpose()?,
         place: arguments.place.clone(),
+        goal_region: (!arguments.goal_region.is_empty())
+            .then(|| Move::NamedRegions(arguments.goal_region.clone())),
         task: {
             let steps = arguments.steps.then(|| STEPS.to_owned());
             steps.or_else(|| arguments.named_task.clone()).map(TaskSelection::Named)

@@ -166,7 +166,7 @@ fn run(
         let mut scratch = cell.scratch();
         let is_goal = |q: &Vec<f64>| match problem.goal() {
             Goal::Configurations(goals) => goals.contains(q),
-            Goal::Grasps(_) => false,
+            Goal::Grasps(_) | Goal::Regions(_) => false,
         };
         let is_whole = report.path.first().is_some_and(|q| q == problem.start())
             && report.path.last().is_some_and(is_goal);

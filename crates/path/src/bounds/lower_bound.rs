@@ -56,7 +56,7 @@ pub fn least_length(problem: &Problem, most: f64) -> Option<f64> {
             let search = BoxSearch::new(problem.robot(), problem.start(), poses);
             Some((search.least_distance(most + tolerance, MOST_BOXES) - tolerance).clamp(0.0, most))
         }
-        Goal::Grasps(_) => None,
+        Goal::Grasps(_) | Goal::Regions(_) => None,
     }
 }
 

@@ -116,14 +116,20 @@ impl Starts<'_> {
                 self.run_starts(improver, &mut |_| Ok(()))
             }
             Goal::Grasps(grasps) => {
-                let mut pool = GoalPool::new(self.problem, self.cell, grasps);
-                let ended = self.run_starts(improver, &mut |starts| starts.draw(&mut pool))?;
-                if ended.is_err() {
-                    self.failures = pool.failures(&mut self.scratch);
-                }
-                Ok(ended)
+                self.run_with_pool(GoalPool::new(self.problem, self.cell, grasps), improver)
+            }
+            Goal::Regions(regions) => {
+                self.run_with_pool(GoalPool::of_regions(self.problem, self.cell, regions), improver)
             }
         }
+    }
+
+    fn run_with_pool(&mut self, mut pool: GoalPool, improver: &mut dyn Improver) -> Result<Ended, PlanError> {
+        let ended = self.run_starts(improver, &mut |starts| starts.draw(&mut pool))?;
+        if ended.is_err() {
+            self.failures = pool.failures(&mut self.scratch);
+        }
+        Ok(ended)
     }
 
     /// Runs one start after the other, with `more_goals` before each.

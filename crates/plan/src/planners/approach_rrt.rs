@@ -1,5 +1,4 @@
 use cranny_collision::{Cell, Scratch};
-use cranny_grasp::GraspSet;
 use cranny_path::RELEASED_STEP_M;
 use cranny_robot::{IK_BATCH, IkBatch, IkSettings, IkSolver};
 use cranny_spatial::Pose;
@@ -9,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::search::bidirectional::Bidirectional;
 use crate::search::connector::{Connector, Path};
 use crate::search::growth::Growth;
+use crate::search::pose_source::open_region_poses;
 use crate::search::search_state::Search;
 use crate::wall_clock::now;
 use crate::{Budget, Observer, Outcome, PlanError, PlanReport, Planner, Ranges};
@@ -136,15 +136,25 @@ impl Sides<'_> {
                     }
                 }
             }
-            Goal::Grasps(grasps) => self.all_grasps(grasps, search),
+            Goal::Grasps(grasps) => {
+                let open = open_gripper_poses(self.cell, grasps, &mut self.scratch);
+                self.all_poses(open, search)
+            }
+            Goal::Regions(regions) => {
+                let open = open_region_poses(self.cell, regions, &mut search.random, &mut self.scratch);
+                if open.is_empty() {
+                    return Err(Outcome::GaveUp);
+                }
+                self.all_poses(open, search)
+            }
         }
     }
 
-    fn all_grasps(&mut self, grasps: &GraspSet, search: &mut Search) -> Result<Path, Outcome> {
+    fn all_poses(&mut self, open: Vec<(usize, Pose)>, search: &mut Search) -> Result<Path, Outcome> {
         /// Iterations between two batches, once there is a goal.
         const EVERY: u64 = 8;
         // 1.
-        let sides = self.sides(grasps);
+        let sides = self.sides(open);
         if sides.is_empty() {
             return Err(Outcome::NoReachableGrasp);
         }
@@ -167,14 +177,14 @@ impl Sides<'_> {
         }
     }
 
-    /// Returns the grasp poses at which the hand alone is free, with their free retreat.
-    fn sides(&mut self, grasps: &GraspSet) -> Vec<Side> {
+    /// Returns the poses, at which the hand alone is free, with their free retreat.
+    fn sides(&mut self, open: Vec<(usize, Pose)>) -> Vec<Side> {
         /// Free retreat that every grasp has, in metres, so that none has probability 0.
         const LEAST_M: f64 = 0.01;
         let filter = self.problem.grasp_filter();
         let mut sum_m = 0.0;
         let mut sides = Vec::new();
-        for (_, world_from_gripper) in open_gripper_poses(self.cell, grasps, &mut self.scratch) {
+        for (_, world_from_gripper) in open {
             if filter.is_some_and(|filter| filter.fault_of(&world_from_gripper).is_some()) {
                 continue;
             }

@@ -51,6 +51,7 @@ impl Reach {
         let cell = problem.exact_cell(self.name())?;
         let pool = match problem.some_goal()? {
             Goal::Grasps(grasps) => Some(GoalPool::new(problem, cell, grasps)),
+            Goal::Regions(regions) => Some(GoalPool::of_regions(problem, cell, regions)),
             Goal::Configurations(_) => None,
         };
         self.search_in(problem, pool, clock, seed)

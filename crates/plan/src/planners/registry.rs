@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use crate::{
-    ApproachRrt, Budget, Chomp, Est, Gomp, GraspReach, GraspRrt, IkRbt, IkRrt, JPlusRbt, JPlusRrt, Kpiece,
+    ApproachRrt, Budget, Cbirrt2, Chomp, Est, Gomp, GraspReach, GraspRrt, IkRbt, IkRrt, JPlusRbt, JPlusRrt, Kpiece,
     LazyPrm, Omg, Outcome, PlanError, Planner, Prm, RbtConnect, Reach, Rrt, RrtConnect, RrtStar, Stomp,
     Unobserved,
 };
@@ -62,6 +62,7 @@ impl Default for Registry {
             Entry::of::<JPlusRbt>(),
             Entry::of::<GraspRrt>(),
             Entry::of::<ApproachRrt>(),
+            Entry::of::<Cbirrt2>(),
             Entry::of::<Chomp>(),
             Entry::of::<Stomp>(),
             Entry::of::<Omg>(),

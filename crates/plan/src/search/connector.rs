@@ -83,15 +83,26 @@ impl Goals<'_> {
                 self.grow_until_connected(search, &mut |_| Ok(Vec::new()))
             }
             Goal::Grasps(grasps) => {
-                let mut pool = GoalPool::new(search.problem, cell, grasps);
-                let ended =
-                    self.grow_until_connected(search, &mut |search| draw(&mut pool, &mut scratch, search));
-                if ended.is_err() {
-                    *failures = pool.failures(&mut scratch);
-                }
-                ended
+                self.grow_from_pool(GoalPool::new(search.problem, cell, grasps), search, failures)
+            }
+            Goal::Regions(regions) => {
+                self.grow_from_pool(GoalPool::of_regions(search.problem, cell, regions), search, failures)
             }
         }
+    }
+
+    fn grow_from_pool(
+        &mut self,
+        mut pool: GoalPool,
+        search: &mut Search,
+        failures: &mut Vec<GraspFailure>,
+    ) -> Result<Path, Outcome> {
+        let mut scratch = pool.scratch();
+        let ended = self.grow_until_connected(search, &mut |search| draw(&mut pool, &mut scratch, search));
+        if ended.is_err() {
+            *failures = pool.failures(&mut scratch);
+        }
+        ended
     }
 
     fn grow_until_connected(

@@ -2,9 +2,10 @@ use cranny_collision::{Cell, Collider, Contact, Scratch};
 use cranny_grasp::GraspSet;
 use cranny_robot::{IK_BATCH, IkBatch, IkSettings, between};
 use cranny_spatial::{Pose, Stream};
-use cranny_task::{FailureReason, GraspFailure, GraspFilter, Problem, gripper_poses};
+use cranny_task::{FailureReason, Goal, GraspFailure, GraspFilter, Problem, Region, gripper_poses};
 
 use crate::search::grasp_source::GraspSource;
+use crate::search::pose_source::PoseSource;
 use crate::wall_clock::now;
 use crate::{PlanError, Statistics};
 
@@ -20,7 +21,7 @@ const MOST_ITERATIONS: u64 = 8;
 /// Goal configurations of a problem, found in batches by inverse kinematics from random starts.
 ///
 /// 1. Poses are checked in random order, in proportion to the attempts made. A pose is open if the hand alone is free there and
-///    it passes the filter of the problem; otherwise it is discarded. A source of grasps, if there is one, adds poses.
+///    it passes the filter of the problem; otherwise it is discarded. A source of grasps, or of poses of regions, adds poses.
 /// 2. Each attempt of a batch goes to a random open pose, from its own start.
 /// 3. A reached and free configuration is a goal. For grasps from a source the hand must also hold the target there. Joints
 ///    with a range of several turns are set near the start.
@@ -33,8 +34,8 @@ pub struct GoalPool<'a> {
     /// Grasps and poses that are not discarded; the first `open` are known to be open.
     poses: Vec<(usize, Pose)>,
     open: usize,
-    /// Source of further grasps; `None` if all are given. Its grasps are recorded together, under number 0.
-    source: Option<GraspSource<'a>>,
+    /// Source of further poses; `None` if all are given. They are recorded together, under number 0.
+    source: Option<PoseSource<'a>>,
     batch: IkBatch<'a>,
     filter: Option<&'a GraspFilter>,
     attempts: u64,
@@ -68,7 +69,11 @@ impl<'a> GoalPool<'a> {
         if let Some(measure) = problem.grasp_measure() {
             return Ok(Some(Self::sampling(problem, cell, GraspSource::new(measure, 0.5)?)));
         }
-        Ok(problem.grasps().map(|grasps| Self::new(problem, cell, grasps)))
+        Ok(match problem.goal() {
+            Goal::Grasps(grasps) => Some(Self::new(problem, cell, grasps)),
+            Goal::Regions(regions) => Some(Self::of_regions(problem, cell, regions)),
+            Goal::Configurations(_) => None,
+        })
     }
 
     /// Creates the pool of all grasps and their twins.
@@ -83,8 +88,17 @@ impl<'a> GoalPool<'a> {
         Self { poses, records, ..Self::empty(problem, cell) }
     }
 
+    /// Creates the pool of poses of the hand in regions; there is at least one.
+    pub(crate) fn of_regions(problem: &'a Problem, cell: &'a Cell, regions: &'a [Region]) -> Self {
+        Self::with_source(problem, cell, PoseSource::Regions(regions, 0))
+    }
+
     /// Creates the pool of the grasps from a source.
     pub(crate) fn sampling(problem: &'a Problem, cell: &'a Cell, source: GraspSource<'a>) -> Self {
+        Self::with_source(problem, cell, PoseSource::Grasps(Box::new(source)))
+    }
+
+    fn with_source(problem: &'a Problem, cell: &'a Cell, source: PoseSource<'a>) -> Self {
         Self { source: Some(source), records: vec![Record::default()], ..Self::empty(problem, cell) }
     }
 
@@ -103,6 +117,11 @@ impl<'a> GoalPool<'a> {
             records: Vec::new(),
             verdicts: Vec::new(),
         }
+    }
+
+    /// Creates scratch for this pool.
+    pub(crate) fn scratch(&self) -> Scratch {
+        self.cell.scratch()
     }
 
     /// Returns true if the hand alone collides at every pose.
@@ -174,7 +193,7 @@ impl<'a> GoalPool<'a> {
             let record = &mut self.records[grasp];
             if !is_free {
                 record.blocked = q;
-            } else if self.source.as_mut().is_none_or(|source| source.holds(&q)) {
+            } else if self.source.as_mut().is_none_or(|source| source.accepts(&q)) {
                 record.goals += 1;
                 goals.push((grasp, q));
             }
@@ -202,7 +221,7 @@ impl<'a> GoalPool<'a> {
         while self.open < wanted {
             if self.open == self.poses.len() {
                 let Some(poses) = self.source.as_mut().and_then(|source| source.draw(random)) else { break };
-                self.poses.extend(poses.map(|pose| (0, pose)));
+                self.poses.extend(poses.into_iter().map(|pose| (0, pose)));
             }
             let drawn = self.open + random.index(self.poses.len() - self.open);
             let (grasp, pose) = self.poses[drawn];
@@ -221,8 +240,12 @@ impl<'a> GoalPool<'a> {
         }
     }
 
-    /// Returns the reason for the failure of each given grasp; for a source, one reason for all its grasps, if it drew any.
+    /// Returns the reason for the failure of each given grasp; for a source of grasps, one reason for all of them, if it drew any;
+    /// none for regions.
     pub fn failures(&self, scratch: &mut Scratch) -> Vec<GraspFailure> {
+        if matches!(self.source, Some(PoseSource::Regions(..))) {
+            return Vec::new();
+        }
         if self.source.is_some()
             && self.records.iter().all(|record| record.hand_contacts == 0 && record.attempts == 0)
         {

@@ -1,8 +1,8 @@
 use cranny_collision::Margins;
-use cranny_grasp::{FirstApproach, GraspSampler, SampledGrasp, SamplerSettings, TooWide};
+use cranny_grasp::{FirstApproach, Grasp, GraspSampler, SampledGrasp, SamplerSettings, TooWide};
 use cranny_path::GraspJudge;
 use cranny_spatial::{Pose, Stream};
-use cranny_task::{GraspMeasure, TaskError, gripper_poses};
+use cranny_task::{GraspMeasure, TaskError};
 
 use crate::PlanError;
 
@@ -70,8 +70,8 @@ impl<'a> GraspSource<'a> {
         (self.goals, self.left) = (goals, DRAWS_PER_BATCH);
     }
 
-    /// Draws one more grasp and its twin, as `world_from_gripper`; `None` if the batch has no draws left.
-    pub fn draw(&mut self, random: &mut Stream) -> Option<[Pose; 2]> {
+    /// Draws one more grasp; `None` if the batch has no draws left.
+    pub fn draw(&mut self, random: &mut Stream) -> Option<Grasp> {
         while self.left > 0 {
             self.left -= 1;
             let mut found = None;
@@ -79,8 +79,9 @@ impl<'a> GraspSource<'a> {
             // Pads from outside may touch other contacts than the sampler found, as at a hole or the far side of a ring.
             let least = GraspMeasure::LEAST_SCORE + self.score_beyond;
             let is_good = |pose: &Pose| self.measure.score(pose).is_some_and(|score| score >= least);
-            if let Some(grasp) = found.filter(|grasp| is_good(&grasp.world_from_gripper)) {
-                return Some(gripper_poses(&grasp));
+            let good = found.filter(|grasp: &Grasp| is_good(&grasp.world_from_gripper));
+            if good.is_some() {
+                return good;
             }
         }
         None

@@ -1,4 +1,3 @@
-use cranny_grasp::GraspSet;
 use cranny_path::JointMetric;
 use cranny_robot::{IkSearch, IkSearchSettings};
 use cranny_spatial::Pose;
@@ -8,6 +7,7 @@ use crate::search::baseline_check::BaselineCheck;
 use crate::search::connector::Path;
 use crate::search::forest::Forest;
 use crate::search::growth::{Grower, Growth};
+use crate::search::pose_source::open_region_poses;
 use crate::search::search_state::Search;
 use crate::wall_clock::now;
 use crate::{Budget, Observer, Outcome, PlanError, PlanReport};
@@ -99,12 +99,26 @@ impl Pipeline<'_> {
                     }
                 }
             }
-            Goal::Grasps(grasps) => self.all_grasps(grasps, search),
+            Goal::Grasps(grasps) => {
+                let open = self.check.open_poses(grasps);
+                self.all_poses(&open, search)
+            }
+            Goal::Regions(regions) => {
+                let open = match &mut self.check {
+                    BaselineCheck::Exact(cell, scratch) => {
+                        open_region_poses(cell, regions, &mut search.random, scratch)
+                    }
+                    BaselineCheck::Paper { .. } => Vec::new(),
+                };
+                if open.is_empty() {
+                    return Err(Outcome::GaveUp);
+                }
+                self.all_poses(&open, search)
+            }
         }
     }
 
-    fn all_grasps(&mut self, grasps: &GraspSet, search: &mut Search) -> Result<Path, Outcome> {
-        let open = self.check.open_poses(grasps);
+    fn all_poses(&mut self, open: &[(usize, Pose)], search: &mut Search) -> Result<Path, Outcome> {
         if open.is_empty() {
             return Err(Outcome::NoReachableGrasp);
         }

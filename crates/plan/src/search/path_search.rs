@@ -1,15 +1,15 @@
 use std::time::Duration;
 
 use cranny_path::base_enclosure;
-use cranny_spatial::other_seed;
-use cranny_task::Problem;
+use cranny_spatial::{EXACT_TRANSLATION_M, other_seed};
+use cranny_task::{Goal, Problem, Region};
 
 use crate::search::no_grasp::all_excluded;
 use crate::{Budget, Observer, Outcome, PathSearch, PlanError, PlanReport, Planner, Statistics};
 
 /// Runs a planner with valid settings ([`Planner::check`]). If every grasp is excluded beforehand, by its width or because it
-/// is beyond reach, no search begins. After a search without a path, a proof that the base cannot come near enough to any goal
-/// ([`base_enclosure`]) makes its outcome [`Outcome::NoReachableGrasp`].
+/// is beyond reach, or every region, no search begins. After a search without a path, a proof that the base cannot come near enough
+/// to any goal ([`base_enclosure`]) makes its outcome [`Outcome::NoReachableGrasp`].
 ///
 /// # Errors
 /// Those of the planner.
@@ -57,11 +57,27 @@ pub fn begin_search<'a>(
     }))
 }
 
-/// Returns the report on a problem whose grasps are all excluded.
+/// Returns the report on a problem whose grasps are all excluded, or whose regions are all beyond reach.
 fn excluded(problem: &Problem) -> Option<PlanReport> {
+    if let Goal::Regions(regions) = problem.goal()
+        && are_out_of_reach(problem, regions)
+        && problem.start_is_free()
+    {
+        return Some(PlanReport::of(Err(Outcome::RegionOutOfReach), Statistics::default()));
+    }
     let failures = all_excluded(problem).filter(|_| problem.start_is_free())?;
     let report = PlanReport::of(Err(Outcome::NoReachableGrasp), Statistics::default());
     Some(PlanReport { failures, ..report })
+}
+
+/// Returns true if the positions of all regions are provably beyond the reach of the arm.
+fn are_out_of_reach(problem: &Problem, regions: &[Region]) -> bool {
+    let reach = problem.robot().reach_bound();
+    let is_beyond = |region: &Region| {
+        let (center, radius_m) = region.ball();
+        reach.beyond_m(&center) - radius_m - EXACT_TRANSLATION_M > 0.0
+    };
+    !regions.is_empty() && regions.iter().all(is_beyond)
 }
 
 /// Search of a planner that finds one path: each further path is a new search with another seed.

@@ -42,6 +42,8 @@ pub enum Outcome {
     ClaimedNotProven,
     /// No grasp can be reached: each is provably excluded, or the target is wider than the hand opens at every sample.
     NoReachableGrasp,
+    /// Every goal region lies provably beyond the reach of the arm.
+    RegionOutOfReach,
 }
 
 impl Outcome {
@@ -61,6 +63,7 @@ impl Outcome {
             Self::GoalsInvalid => "every goal is in collision or beyond a joint limit",
             Self::ClaimedNotProven => "claimed, not proven",
             Self::NoReachableGrasp => "no grasp can be reached",
+            Self::RegionOutOfReach => "the goal region is beyond reach",
         }
     }
 }

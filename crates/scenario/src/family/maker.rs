@@ -261,6 +261,7 @@ impl FamilyMaker {
             start: self.robot.start(),
             robot: self.robot.clone(),
             places: vec![self.scale.place(family.outside())],
+            regions: BTreeMap::new(),
             tasks: Vec::new(),
             physics: BTreeMap::new(),
             colours: BTreeMap::new(),

@@ -85,6 +85,7 @@ impl Recipe {
             grasps: GraspSet::default(),
             ik: Vec::new(),
             places: Vec::new(),
+            regions: BTreeMap::new(),
             tasks: Vec::new(),
             physics: BTreeMap::new(),
             colours,

@@ -16,6 +16,7 @@ use crate::layout::own_file::{
     BodyEntry, MeshEntry, PlaceEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry,
 };
 use crate::robot::file;
+use crate::scenario::in_frame;
 use crate::{
     BodyColours, BuiltinRobot, OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, RobotSource, Scenario,
     ScenarioError, TargetPhysics, scenario,
@@ -100,6 +101,7 @@ pub(crate) fn open_texts(
         bodies.push(layout.floor(height, &planning_from_scene)?);
     }
     let places = layout.places(&file, &planning_from_scene)?;
+    let regions = in_frame(&file.regions, &planning_from_scene);
     let ik = match (&options.robot, &texts.ik) {
         (None, Some(text)) => number_table::parse_configurations(&folder.join(IK_FILE), text, robot.dof())?,
         _ => Vec::new(),
@@ -110,7 +112,7 @@ pub(crate) fn open_texts(
     let grasps_file = folder.join(GRASPS_FILE);
     let stated = match &texts.grasps {
         Some(text) => parse_csv(&grasps_file, text)?,
-        None if target.is_some() => GraspSet::default(),
+        None if target.is_some() || !regions.is_empty() => GraspSet::default(),
         // Without a target the grasps cannot be computed.
         None => parse_csv(&grasps_file, &grasps_text(&grasps_file)?)?,
     };
@@ -130,9 +132,10 @@ pub(crate) fn open_texts(
         target_source,
         given_physics,
         grasps,
-        has_grasp_set: texts.grasps.is_some(),
+        has_grasp_set: texts.grasps.is_some() || target.is_none(),
         ik,
         places,
+        regions,
         tasks: layout.tasks(&file, &planning_from_scene)?,
         physics: layout.physics_of_obstacles(&file)?,
         colours,

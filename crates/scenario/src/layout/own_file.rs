@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::fmt;
 use std::path::PathBuf;
 
-use cranny_task::{AfterPlacing, Criterion, Stage};
+use cranny_task::{AfterPlacing, Criterion, Region, Stage};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -51,6 +51,9 @@ pub(crate) struct ScenarioFile {
     #[serde(default)]
     #[schemars(with = "Vec<PlaceEntry>")]
     pub places: Vec<Spanned<PlaceEntry>>,
+    /// Goal regions by name (`cranny plan --goal-region NAME`, and stages with `move`).
+    #[serde(default)]
+    pub regions: BTreeMap<String, Region>,
     /// Pick and place steps, in order (`cranny plan --steps`).
     #[serde(default)]
     #[schemars(with = "Vec<StepEntry>")]

@@ -2,7 +2,7 @@ use std::collections::{BTreeMap, HashSet};
 
 use cranny_file::did_you_mean;
 use cranny_spatial::Pose;
-use cranny_task::{AfterPlacing, Pick, PlaceAt, Stage};
+use cranny_task::{AfterPlacing, Move, Pick, PlaceAt, Stage};
 use serde_saphyr::Spanned;
 
 use crate::layout::own::Layout;
@@ -31,7 +31,8 @@ impl Layout<'_> {
         planning_from_scene: &Pose,
     ) -> Result<Vec<NamedTask>, ScenarioError> {
         let bodies = KnownNames::of(file.obstacles.iter().chain(&file.target).map(|body| &body.name.value));
-        let names = [bodies, KnownNames::of(file.places.iter().map(|place| &place.value.name.value))];
+        let places = KnownNames::of(file.places.iter().map(|place| &place.value.name.value));
+        let names = [bodies, places, KnownNames::of(file.regions.keys())];
         let mut tasks = Vec::new();
         let mut stages = Vec::new();
         for Spanned { value: StepEntry { pick, place, then, .. }, referenced, .. } in &file.steps {
@@ -68,11 +69,16 @@ impl Layout<'_> {
         &self,
         stage: &Stage,
         at: serde_saphyr::Location,
-        [bodies, places]: &[KnownNames<'_>; 2],
+        [bodies, places, regions]: &[KnownNames<'_>; 3],
     ) -> Result<(), ScenarioError> {
         let (what, name, known) = match stage {
             Stage::Pick(Pick { object: Some(object), .. }) => ("body", object, bodies),
             Stage::Place(PlaceAt { place, .. }) => ("place", place, places),
+            Stage::Move(Move::NamedRegions(names)) => {
+                let is_unknown = |name: &&String| !regions.set.contains(name.as_str());
+                let Some(name) = names.iter().find(is_unknown) else { return Ok(()) };
+                ("region", name, regions)
+            }
             Stage::Pick(_) | Stage::Move(_) => return Ok(()),
         };
         if known.set.contains(name.as_str()) {

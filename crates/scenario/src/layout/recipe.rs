@@ -5,9 +5,10 @@ use cranny_grasp::GraspSet;
 use cranny_robot::Location;
 use cranny_shape::{Outline, ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{Pose, Vector};
-use cranny_task::PlaceGoal;
+use cranny_task::{PlaceGoal, Region};
 
 use crate::layout::own_bounds::bounded;
+use crate::scenario::in_frame;
 use crate::{
     BodyColours, NamedTask, ObjectSource, OpenOptions, RecipeRobot, RobotSource, Scenario, ScenarioError,
     StatedSpeed, TargetPhysics,
@@ -34,6 +35,8 @@ pub struct Recipe {
     pub ik: Vec<Vec<f64>>,
     /// Place goals of the target, in the scene.
     pub places: Vec<PlaceGoal>,
+    /// Goal regions by name, in the scene.
+    pub regions: BTreeMap<String, Region>,
     /// Tasks of several stages.
     pub tasks: Vec<NamedTask>,
     /// Mass and friction of obstacles, by name.
@@ -125,6 +128,7 @@ impl Recipe {
             joint_bounds: scenario.joint_bounds.clone(),
             speeds: scenario.speeds.clone(),
             places: scenario.places.iter().map(|place| place.in_frame(&scene_from_planning)).collect(),
+            regions: in_frame(&scenario.regions, &scene_from_planning),
         })
     }
 
@@ -159,6 +163,7 @@ impl Recipe {
             joint_bounds: self.joint_bounds.clone(),
             speeds: self.speeds.clone(),
             places: self.places.iter().map(|place| place.in_frame(&planning_from_scene)).collect(),
+            regions: in_frame(&self.regions, &planning_from_scene),
             ik: self.ik.clone(),
             export: None,
         }

@@ -88,6 +88,13 @@ impl Recipe {
         for place in &self.places {
             self.write_place(place, &mut text);
         }
+        if !self.regions.is_empty() {
+            text.push_str("regions:\n");
+        }
+        for (name, region) in &self.regions {
+            let row = serde_json::to_value(region).unwrap_or_default();
+            let _ = writeln!(text, "  {}: {row}", serde_json::Value::from(name.as_str()));
+        }
         if !self.tasks.is_empty() {
             text.push_str("tasks:\n");
         }

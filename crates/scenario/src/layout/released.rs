@@ -91,6 +91,7 @@ pub(crate) fn open_with(
         grasps: grasps(folder)?,
         has_grasp_set: true,
         places: Vec::new(),
+        regions: BTreeMap::new(),
         tasks: Vec::new(),
         physics: BTreeMap::new(),
         colours: BTreeMap::new(),

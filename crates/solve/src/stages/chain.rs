@@ -318,11 +318,12 @@ impl<'a> Chain<'a> {
         state: &State,
         observer: &mut dyn Observer,
     ) -> Result<Through, SolveError> {
-        let ends = match (goal.ends(self.problem), Towards::of(goal, None)) {
-            (None, Some(towards)) => towards.goals(&self.effort, state),
-            (ends, _) => ends.unwrap_or_default(),
+        let drawn = |towards: Towards| towards.goals(&self.effort, state);
+        let drawn = || Towards::of(goal, None, self.problem).map_or_else(Vec::new, drawn);
+        let problem = match goal.regions(self.problem)? {
+            Some(regions) => state.moving_into(regions)?,
+            None => state.moving(goal.ends(self.problem).unwrap_or_else(drawn))?,
         };
-        let problem = state.moving(ends)?;
         let seed = self.next_seed(0);
         let mut search = begin_search(planner, &problem, &budget, seed)?;
         loop {
@@ -336,8 +337,10 @@ impl<'a> Chain<'a> {
             match self.through(1, &there, None, observer)? {
                 Ok(onward) => {
                     self.effort.count(&report.statistics, Outcome::Solved);
-                    let moved =
-                        (Segment::empty(0, Mode::REACH, report.path), Some(state.moving(vec![there.q])?));
+                    // The end of the last motion may move within its goal.
+                    let solved =
+                        if self.stages.len() == 1 { problem.clone() } else { state.moving(vec![there.q])? };
+                    let moved = (Segment::empty(0, Mode::REACH, report.path), Some(solved));
                     return Ok(Ok([vec![moved], onward].concat()));
                 }
                 Err(_) => search.reject(),
@@ -362,7 +365,7 @@ impl<'a> Chain<'a> {
         let mut ends = goal.ends(self.problem);
         let mut reason = FailureReason::NotMoved;
         for _ in 0..MOST_ENDS {
-            let Some(towards) = Towards::of(goal, ends.as_deref()) else { break };
+            let Some(towards) = Towards::of(goal, ends.as_deref(), self.problem) else { break };
             let (path, problem): Way = match onward(&mut self.effort, state, led, &towards, observer) {
                 Ok(way) => way,
                 Err(_) if mode == Mode::RETURN => return Ok(Err(FailureReason::NotReturned)),

@@ -36,20 +36,19 @@ pub(crate) enum Towards<'a> {
     Ends(&'a [Vec<f64>]),
     /// Any configuration with at least this distance, in metres, between the object in the hand and everything else.
     Clear(f64),
-    /// Any pose of a region.
-    Region(&'a Region),
+    /// Any pose of these regions.
+    Regions(Vec<Region>),
     /// Start of the path that led here.
     Begin,
 }
 
 impl<'a> Towards<'a> {
     /// Returns the goal of a move; for a finite set, its remaining `ends` (m, rad; one value per joint), `None` if empty.
-    pub fn of(goal: &'a Move, ends: Option<&'a [Vec<f64>]>) -> Option<Self> {
+    pub fn of(goal: &Move, ends: Option<&'a [Vec<f64>]>, problem: &Problem) -> Option<Self> {
         match (ends, goal) {
             (Some(ends), _) => (!ends.is_empty()).then_some(Self::Ends(ends)),
             (None, Move::Clear { clear_m }) => Some(Self::Clear(*clear_m)),
-            (None, Move::Region(region)) => Some(Self::Region(region)),
-            (None, Move::Home | Move::Configurations(_)) => None,
+            (None, goal) => goal.regions(problem).ok().flatten().map(Self::Regions),
         }
     }
 }
@@ -60,7 +59,7 @@ impl Towards<'_> {
         match self {
             Self::Ends(ends) => ends.to_vec(),
             Self::Clear(clear_m) => clear_goals(effort, state, &[], *clear_m).1,
-            Self::Region(region) => region_goals(effort, state, region),
+            Self::Regions(regions) => region_goals(effort, state, regions),
             Self::Begin => Vec::new(),
         }
     }
@@ -79,7 +78,7 @@ pub(crate) fn onward(
     let failed = if state.held().is_some() { FailureReason::NotCarried } else { FailureReason::NotMoved };
     let (back, others) = match towards {
         Towards::Clear(clear_m) => clear_goals(effort, state, led, *clear_m),
-        Towards::Region(region) => (Vec::new(), region_goals(effort, state, region)),
+        Towards::Regions(regions) => (Vec::new(), region_goals(effort, state, regions)),
         Towards::Begin => (state.free_along(led), Vec::new()),
         Towards::Ends(ends) if led.first().is_some_and(|begin| ends.contains(begin)) => {
             (state.free_along(led), ends.to_vec())
@@ -98,7 +97,7 @@ pub(crate) fn onward(
             until_clear(state, &mut path, *clear_m);
             path[path.len() - 1..].to_vec()
         }
-        Towards::Begin | Towards::Region(_) => path[path.len() - 1..].to_vec(),
+        Towards::Begin | Towards::Regions(_) => path[path.len() - 1..].to_vec(),
         Towards::Ends(ends) => ends.to_vec(),
     };
     Ok((path, state.moving(ends).map_err(|_| failed.clone())?))
@@ -140,14 +139,14 @@ fn clear_goals(
     (Vec::new(), found)
 }
 
-/// Returns configurations at which the moved frame is in a region.
-fn region_goals(effort: &Effort, state: &State, region: &Region) -> Vec<Vec<f64>> {
+/// Returns configurations at which the moved frame is in one of several regions.
+fn region_goals(effort: &Effort, state: &State, regions: &[Region]) -> Vec<Vec<f64>> {
     let stream = |of: u64| Stream::new(effort.seed_of(of), u64::from(effort.exhausted()));
     let (cell, mut random) = (state.cell(), stream(1));
     let mut scratch = cell.scratch();
     let mut found = Vec::new();
-    for pose in region.draws(stream(0)).take(MOST_POSES) {
-        let Some(world_from_tip) = state.world_from_tip(region.moved, &pose) else { break };
+    for (moved, pose) in Region::draws(regions, stream(0)).take(MOST_POSES) {
+        let Some(world_from_tip) = state.world_from_tip(moved, &pose) else { break };
         let mut is_free = |q: &[f64]| cell.is_free(q, &mut scratch);
         let search = ik_solutions(cell, &world_from_tip, &[&state.q], &mut random, &mut is_free);
         found.extend(search.solutions().iter().map(|solution| solution.q.clone()));

@@ -7,7 +7,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr};
 
-use crate::stages::region::RegionRow;
+use crate::stages::region_row::RegionRow;
 use crate::{Goal, Moved, Problem, Region, TaskError};
 
 /// A stage of a task, in the user's terms. A task is a list of stages, each starting at the end of the previous one: `[Pick]`
@@ -48,8 +48,10 @@ pub enum Move {
         /// Required distance, in metres.
         clear_m: f64,
     },
-    /// Any configuration at which the hand, or the object in it, has one of these poses, within 1 mm and 1°.
-    Region(Region),
+    /// Any configuration at which the hand, or the object in it, has a pose in any of these regions, within 1 mm and 1°.
+    Regions(Vec<Region>),
+    /// The same with regions of the problem, by name.
+    NamedRegions(Vec<String>),
 }
 
 /// Placement goal of the object in the hand, and the retreat from it.
@@ -119,6 +121,7 @@ impl Stage {
         match problem.goal() {
             Goal::Grasps(_) => vec![Self::pick()],
             Goal::Configurations(ends) => vec![Self::Move(Move::Configurations(ends.clone()))],
+            Goal::Regions(regions) => vec![Self::Move(Move::Regions(regions.clone()))],
         }
     }
 
@@ -128,7 +131,9 @@ impl Stage {
             (Self::Pick(a), Self::Pick(b)) => a.object == b.object,
             (Self::Place(a), Self::Place(b)) => a.place == b.place,
             (Self::Move(Move::Clear { .. }), Self::Move(Move::Clear { .. })) => true,
-            (Self::Move(Move::Region(a)), Self::Move(Move::Region(b))) => a.is_like(b),
+            (Self::Move(Move::Regions(a)), Self::Move(Move::Regions(b))) => {
+                a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.is_like(b))
+            }
             (a, b) => a == b,
         }
     }
@@ -137,7 +142,10 @@ impl Stage {
     #[must_use]
     pub fn in_frame(&self, new_from_old: &Pose) -> Self {
         match self {
-            Self::Move(Move::Region(region)) => Self::Move(Move::Region(region.in_frame(new_from_old))),
+            Self::Move(Move::Regions(regions)) => {
+                let regions = regions.iter().map(|region| region.in_frame(new_from_old));
+                Self::Move(Move::Regions(regions.collect()))
+            }
             other => other.clone(),
         }
     }
@@ -165,12 +173,14 @@ impl Stage {
                     }
                     straight_fault("an approach", pick.approach_m).map_or(Ok(()), refuse)?;
                 }
-                Self::Place(_) | Self::Move(Move::Region(Region { moved: Moved::Object, .. }))
-                    if held.is_none() =>
-                {
-                    return refuse("nothing is in the hand; a pick has to come before it".to_owned());
+                Self::Place(_) if held.is_none() => return refuse(EMPTY_HAND.to_owned()),
+                Self::Move(goal) => {
+                    goal.check(index, problem)?;
+                    let regions = goal.regions(problem)?.unwrap_or_default();
+                    if held.is_none() && regions.iter().any(|region| region.moved == Moved::Object) {
+                        return refuse(EMPTY_HAND.to_owned());
+                    }
                 }
-                Self::Move(goal) => goal.check(index, problem)?,
                 Self::Place(place) => {
                     let goal = problem.place(&place.place)?;
                     let rolls = held.take().zip(problem.cell()).and_then(|(body, cell)| {
@@ -203,7 +213,14 @@ impl fmt::Display for Stage {
             Self::Move(Move::Configurations(ends)) => {
                 write!(f, "move to one of {}", counted(ends.len(), "configuration"))
             }
-            Self::Move(Move::Region(region)) => write!(f, "move {region}"),
+            Self::Move(Move::Regions(regions)) => {
+                let regions: Vec<String> = regions.iter().map(Region::to_string).collect();
+                write!(f, "move {}", regions.join(", or "))
+            }
+            Self::Move(Move::NamedRegions(names)) => {
+                let names: Vec<String> = names.iter().map(|name| format!("'{name}'")).collect();
+                write!(f, "move into the region {}", names.join(" or "))
+            }
             Self::Move(Move::Clear { clear_m }) => write!(f, "move until {} mm clear", mm(clear_m)),
             Self::Place(PlaceAt { place, clear_m, retreat_m }) => {
                 write!(f, "put down in '{place}', the hand {} mm off it", mm(clear_m))?;
@@ -243,7 +260,10 @@ impl Move {
         let refuse = |problem: String| Err(TaskError::Stage { stage, problem });
         match self {
             Self::Home => Ok(()),
-            Self::Region(region) => region.fault().map_or(Ok(()), |fault| refuse(fault.to_owned())),
+            Self::Regions(regions) if regions.is_empty() => refuse("'move' lists no region".to_owned()),
+            Self::NamedRegions(names) if names.is_empty() => refuse("'move' names no region".to_owned()),
+            Self::Regions(regions) => regions.iter().find_map(Region::fault).map_or(Ok(()), refuse),
+            Self::NamedRegions(_) => Ok(()),
             Self::Clear { clear_m } if (0.0..=FARTHEST_CLEAR_M).contains(clear_m) => Ok(()),
             Self::Clear { clear_m } => {
                 refuse(format!("{clear_m} m is not a valid clearance: expected 0 to {FARTHEST_CLEAR_M} m"))
@@ -274,10 +294,26 @@ impl Move {
         match self {
             Self::Home => Some(vec![problem.start().to_vec()]),
             Self::Configurations(ends) => Some(ends.clone()),
-            Self::Clear { .. } | Self::Region(_) => None,
+            Self::Clear { .. } | Self::Regions(_) | Self::NamedRegions(_) => None,
+        }
+    }
+
+    /// Returns the regions in one of which the motion ends; `None` for other goals.
+    ///
+    /// # Errors
+    /// [`TaskError::UnknownRegion`].
+    pub fn regions(&self, problem: &Problem) -> Result<Option<Vec<Region>>, TaskError> {
+        match self {
+            Self::Regions(regions) => Ok(Some(regions.clone())),
+            Self::NamedRegions(names) => {
+                names.iter().map(|name| problem.region(name).cloned()).collect::<Result<_, _>>().map(Some)
+            }
+            Self::Home | Self::Configurations(_) | Self::Clear { .. } => Ok(None),
         }
     }
 }
+
+const EMPTY_HAND: &str = "nothing is in the hand; a pick has to come before it";
 
 /// Name of the target of a problem in files of stages.
 const TARGET: &str = "target";
@@ -289,7 +325,8 @@ pub(crate) struct StageRow {
     /// Object that is grasped: a body of the scenario, or `target`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pick: Option<String>,
-    /// Goal of a motion: `home`, `clear`, configurations (m, rad), or a region of poses.
+    /// Goal of a motion: `home`, `clear`, configurations (m, rad), a region of poses or a list of them, or `regions` of the
+    /// scenario by name.
     #[serde(default, rename = "move", skip_serializing_if = "Option::is_none")]
     move_to: Option<MoveRow>,
     /// Placement goal of the object in the hand.
@@ -323,6 +360,15 @@ enum MoveRow {
     Word(String),
     Configurations(Vec<Vec<f64>>),
     Region(RegionRow),
+    Regions(Vec<RegionRow>),
+    NamedRegions(RegionNames),
+}
+
+/// Regions of the scenario: the motion ends in any of them.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct RegionNames {
+    regions: Vec<String>,
 }
 
 impl JsonSchema for Stage {
@@ -372,7 +418,14 @@ impl TryFrom<StageRow> for Stage {
                 }
             },
             (None, Some(MoveRow::Configurations(ends)), None) => Self::Move(Move::Configurations(ends)),
-            (None, Some(MoveRow::Region(row)), None) => Self::Move(Move::Region(row.try_into()?)),
+            (None, Some(MoveRow::Region(row)), None) => Self::Move(Move::Regions(vec![row.try_into()?])),
+            (None, Some(MoveRow::Regions(rows)), None) => {
+                let regions = rows.into_iter().map(Region::try_from).collect::<Result<_, _>>()?;
+                Self::Move(Move::Regions(regions))
+            }
+            (None, Some(MoveRow::NamedRegions(RegionNames { regions })), None) => {
+                Self::Move(Move::NamedRegions(regions))
+            }
             (None, None, Some(place)) => {
                 let (clear_m, retreat_m) = (clear_m.unwrap_or(CLEAR_M), retreat_m.unwrap_or_default());
                 return Ok(Self::Place(PlaceAt { place, clear_m, retreat_m }));
@@ -399,8 +452,13 @@ impl From<Stage> for StageRow {
             Stage::Move(Move::Clear { clear_m }) => {
                 Self { move_to: Some(MoveRow::Word("clear".to_owned())), clear_m: Some(clear_m), ..row }
             }
-            Stage::Move(Move::Region(region)) => {
-                Self { move_to: Some(MoveRow::Region(region.into())), ..row }
+            Stage::Move(Move::Regions(regions)) => {
+                let mut rows: Vec<RegionRow> = regions.into_iter().map(RegionRow::from).collect();
+                let only = if rows.len() == 1 { rows.pop() } else { None };
+                Self { move_to: Some(only.map_or(MoveRow::Regions(rows), MoveRow::Region)), ..row }
+            }
+            Stage::Move(Move::NamedRegions(regions)) => {
+                Self { move_to: Some(MoveRow::NamedRegions(RegionNames { regions })), ..row }
             }
             Stage::Move(Move::Configurations(ends)) => {
                 Self { move_to: Some(MoveRow::Configurations(ends)), ..row }

@@ -10,7 +10,9 @@ use crate::placing::placed::Placed;
 use crate::stages::payload::Payload;
 use crate::stages::segment::{Mode, MotionEnd, Segment};
 use crate::stages::straight::{FarEnd, straight_line, straight_path};
-use crate::{Carrier, FailureReason, Goal, Grip, LiftOffSettings, Moved, Pick, Problem, Stage, TaskError};
+use crate::{
+    Carrier, FailureReason, Goal, Grip, LiftOffSettings, Moved, Pick, Problem, Region, Stage, TaskError,
+};
 
 /// Maximum distance between two configurations of [`State::free_along`], in the metric of the joints (m, rad).
 const PIECE: f64 = 0.25;
@@ -220,6 +222,14 @@ impl State {
     /// [`TaskError::JointCount`] or [`TaskError::NotFinite`] for an invalid configuration.
     pub fn moving(&self, to: Vec<Vec<f64>>) -> Result<Problem, TaskError> {
         Problem::in_cell(self.cell().clone(), self.q.clone(), Goal::Configurations(to))
+    }
+
+    /// Returns the problem of moving the hand from this state into any of these regions.
+    ///
+    /// # Errors
+    /// [`TaskError::Region`] for an invalid region, or one of the object.
+    pub fn moving_into(&self, regions: Vec<Region>) -> Result<Problem, TaskError> {
+        Problem::in_cell(self.cell().clone(), self.q.clone(), Goal::Regions(regions))
     }
 
     /// Returns the state after the hand has closed on the object of a carrier.

@@ -142,8 +142,10 @@ fn outcome(index: usize, is_solved: bool, failed_at: Option<usize>) -> StageOutc
 /// Returns the farthest stage at which an alternative failed. Without such a record only an invalid start or goal, and a target
 /// without a reachable grasp, are known to end the search at its first stage.
 fn farthest(plan: &PlanFile, failed: &BTreeMap<usize, Vec<FailedAlternatives>>) -> Option<usize> {
-    let is_at_start =
-        matches!(plan.outcome, Outcome::StartInvalid | Outcome::GoalsInvalid | Outcome::NoReachableGrasp);
+    let is_at_start = matches!(
+        plan.outcome,
+        Outcome::StartInvalid | Outcome::GoalsInvalid | Outcome::NoReachableGrasp | Outcome::RegionOutOfReach
+    );
     failed.keys().next_back().copied().or_else(|| is_at_start.then_some(0))
 }
 
