@@ -14,6 +14,7 @@ mod moveit;
 mod old_formats;
 mod placing;
 mod quicker;
+mod regions;
 mod released_layout;
 mod statements;
 mod straight;
