@@ -7,7 +7,7 @@ use cranny_record::{Judgement, PlanFile, PlanOptions, PlanSource, TaskSelection}
 use cranny_scenario::{OpenOptions, STEPS, Scenario, sequences};
 use cranny_solve::{PoseRadius, solve};
 use cranny_spatial::{Pose, Vector};
-use cranny_task::{Move, Pick, Region, Stage};
+use cranny_task::{Move, Pick, Stage};
 
 fn solved(id: &str, ask: &PlanOptions) -> (Scenario, PlanFile) {
     let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();
@@ -149,12 +149,12 @@ fn an_object_is_brought_into_a_region_of_poses() {
     let ask = PlanOptions { task: Some(TaskSelection::Named("sort".to_owned())), ..PlanOptions::default() };
     let (scenario, mut plan) = solved(&example("sort"), &ask);
     assert!(judged(&scenario, &plan).audit.valid);
-    let Stage::Move(Move::Region(region)) = &plan.task[5] else { panic!("{:?}", plan.task) };
+    let Stage::Move(Move::Regions(regions)) = &plan.task[5] else { panic!("{:?}", plan.task) };
     // The scene turns the robot by 90°.
-    let middle = region.pose.translation.vector;
+    let middle = regions[0].frames[0].pose.translation.vector;
     assert!((middle.x - 0.5).abs() < 1e-9 && middle.y.abs() < 1e-9, "{middle}");
-    let up = Region { pose: Pose::translation(0.0, 0.0, 0.3) * region.pose, ..region.clone() };
-    plan.task[5] = Stage::Move(Move::Region(up));
+    let up = regions[0].in_frame(&Pose::translation(0.0, 0.0, 0.3));
+    plan.task[5] = Stage::Move(Move::Regions(vec![up]));
     plan.task_name = None;
     let judged = judged(&scenario, &plan);
     assert!(judged.audit.violations.iter().any(|violation| violation.kind() == "goal"), "{judged:?}");

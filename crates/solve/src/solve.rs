@@ -150,6 +150,7 @@ fn solve_asked(
             | Outcome::Cancelled
             | Outcome::GaveUp
             | Outcome::NoReachableGrasp
+            | Outcome::RegionOutOfReach
     );
     let no_grasp = if is_grasp_missed { NoGrasp::of(&first, &failures) } else { None };
     let goal_faults = if outcome == Outcome::GoalsInvalid { first.goal_faults() } else { Vec::new() };

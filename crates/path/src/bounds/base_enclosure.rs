@@ -1,10 +1,11 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 
 use cranny_collision::{Cell, Collider, DemandedOther};
+use cranny_grasp::Grasp;
 use cranny_robot::{JointKind, Mover, Robot};
 use cranny_shape::{Solid, separation};
 use cranny_spatial::{EXACT_TRANSLATION_M, Point, Pose, Vector};
-use cranny_task::{Goal, Problem};
+use cranny_task::{Goal, Problem, Region};
 use serde::{Deserialize, Serialize};
 
 use crate::audit_limits::START_TOLERANCE;
@@ -181,9 +182,9 @@ impl<'a> Base<'a> {
     }
 }
 
-/// Goals of a problem: positions of the tip, or values of the slides.
+/// Goals of a problem: balls (radius in m) that contain the positions of the tip, or values of the slides.
 enum Goals {
-    Tips(Vec<Point>),
+    Tips(Vec<(Point, f64)>),
     Slides(Vec<[f64; 2]>),
 }
 
@@ -194,10 +195,10 @@ impl Goals {
                 Some(Self::Slides(ends.iter().map(|end| base.slides_of(end)).collect()))
             }
             Goal::Grasps(grasps) if problem.grasp_measure().is_none() => {
-                let tip =
-                    |grasp: &cranny_grasp::Grasp| Point::from(grasp.world_from_gripper.translation.vector);
+                let tip = |grasp: &Grasp| (Point::from(grasp.world_from_gripper.translation.vector), 0.0);
                 Some(Self::Tips(grasps.grasps().iter().map(tip).collect()))
             }
+            Goal::Regions(regions) => Some(Self::Tips(regions.iter().map(Region::ball).collect())),
             Goal::Grasps(_) => None,
         }
     }
@@ -324,7 +325,8 @@ impl<'a> Squares<'a> {
         match &self.goals {
             Goals::Tips(tips) => {
                 let centre = self.base.centre + self.base.ways[0] * middle[0] + self.base.ways[1] * middle[1];
-                let nearest = tips.iter().map(|tip| (tip - centre).norm()).fold(f64::INFINITY, f64::min);
+                let distance_m = |(tip, radius_m): &(Point, f64)| (tip - centre).norm() - radius_m;
+                let nearest = tips.iter().map(distance_m).fold(f64::INFINITY, f64::min);
                 let beyond_m = nearest - self.base.radius_m - EXACT_TRANSLATION_M;
                 Reach { beyond_m: beyond_m - half_way_m, is_from_middle: beyond_m <= 0.0 }
             }

@@ -7,9 +7,9 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use crate::{
-    ApproachRrt, Budget, Cbirrt2, Chomp, Est, Gomp, GraspReach, GraspRrt, IkRbt, IkRrt, JPlusRbt, JPlusRrt, Kpiece,
-    LazyPrm, Omg, Outcome, PlanError, Planner, Prm, RbtConnect, Reach, Rrt, RrtConnect, RrtStar, Stomp,
-    Unobserved,
+    ApproachRrt, Budget, Cbirrt2, Chomp, Est, Gomp, GraspReach, GraspRrt, IkRbt, IkRrt, JPlusRbt, JPlusRrt,
+    Kpiece, LazyPrm, Omg, Outcome, PlanError, Planner, Prm, RbtConnect, Reach, Rrt, RrtConnect, RrtStar,
+    Stomp, Unobserved,
 };
 
 /// Planners by name. [`Registry::default`] has the built-in ones, and [`Registry::with`] adds others.

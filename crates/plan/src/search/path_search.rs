@@ -9,7 +9,7 @@ use crate::{Budget, Observer, Outcome, PathSearch, PlanError, PlanReport, Planne
 
 /// Runs a planner with valid settings ([`Planner::check`]). If every grasp is excluded beforehand, by its width or because it
 /// is beyond reach, or every region, no search begins. After a search without a path, a proof that the base cannot come near enough
-/// to any goal ([`base_enclosure`]) makes its outcome [`Outcome::NoReachableGrasp`].
+/// to any grasp or region ([`base_enclosure`]) makes its outcome [`Outcome::NoReachableGrasp`] or [`Outcome::RegionOutOfReach`].
 ///
 /// # Errors
 /// Those of the planner.
@@ -31,8 +31,13 @@ pub fn search(
 fn settled(report: PlanReport, problem: &Problem) -> PlanReport {
     let is_open =
         matches!(report.outcome, Outcome::BudgetExhausted | Outcome::ClaimedNotProven | Outcome::GaveUp);
+    let proven = match problem.goal() {
+        Goal::Grasps(_) => Outcome::NoReachableGrasp,
+        Goal::Regions(_) => Outcome::RegionOutOfReach,
+        Goal::Configurations(_) => return report,
+    };
     if is_open && base_enclosure(problem).is_some() {
-        return PlanReport { outcome: Outcome::NoReachableGrasp, refused: None, ..report };
+        return PlanReport { outcome: proven, refused: None, ..report };
     }
     report
 }
