@@ -20,9 +20,9 @@ use strum::VariantArray;
 
 use crate::handover::fault::{bad_type, bad_value, fault};
 use crate::handover::json::settings_of;
+use crate::handover::names::criterion_of;
 use crate::handover::whole;
 use crate::planning::seconds;
-use crate::scenario::criterion_of;
 
 /// Interval at which signals are checked and progress is reported.
 const LOOK_EVERY: Duration = Duration::from_millis(50);

@@ -22,6 +22,7 @@ use crate::grasping::grasp_set::PyGrasps;
 use crate::handover::array::{Configurations, configuration, copied, pose_or_translation, rows, shaped};
 use crate::handover::fault::{bad_value, fault};
 use crate::handover::json::python_of;
+use crate::handover::names::{criterion_of, geometry_of};
 use crate::handover::pickled::{Made, Reduced, absolute};
 use crate::handover::whole;
 use crate::picture::picture;
@@ -496,15 +497,4 @@ impl PyScenario {
 #[pyfunction]
 pub fn scenario_ids() -> Vec<String> {
     catalogue().iter().map(|entry| entry.id.to_string()).collect()
-}
-
-/// Parses the name of a geometry.
-fn geometry_of(name: &str) -> PyResult<Geometry> {
-    let unknown = |_| bad_value(format!("geometry is '{name}', but \"scene\" or \"export\" is expected"));
-    name.parse().map_err(unknown)
-}
-
-/// Parses the name of a criterion.
-pub fn criterion_of(name: &str) -> PyResult<Criterion> {
-    name.parse().map_err(|_| bad_value(format!("unknown criterion '{name}' (known: exact, paper)")))
 }

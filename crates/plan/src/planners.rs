@@ -2,7 +2,6 @@
 
 pub(crate) mod approach_rrt;
 pub(crate) mod baselines;
-pub(crate) mod cbirrt2;
 pub(crate) mod even_sequence;
 pub(crate) mod grasp_reach;
 pub(crate) mod grasp_rrt;

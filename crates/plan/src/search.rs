@@ -4,7 +4,6 @@ pub(crate) mod approach_sphere;
 pub(crate) mod base_shift;
 pub(crate) mod baseline_check;
 pub(crate) mod bidirectional;
-pub(crate) mod cell_grid;
 pub(crate) mod clock;
 pub(crate) mod connector;
 pub(crate) mod forest;

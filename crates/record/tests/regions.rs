@@ -19,6 +19,11 @@ const REGIONS: &str = "regions:
         y: [-0.1, 0.1]
         yaw_deg: [-180, 180]
         end: {rotation_rpy_deg: [180, 0, 0]}
+  beside:
+    frames:
+      - pose: {position: [1, 0.6, 0.9]}
+        yaw_deg: [-180, 180]
+        end: {position: [-0.12, 0, 0], rotation_rpy_deg: [0, 90, 0]}
   point: {hand: {position: [1, 0.5, 1], rotation_rpy_deg: [180, 0, 0]}, within_deg: 60}
   sky: {hand: {position: [1, 0.5, 9]}}
 ";
@@ -50,12 +55,18 @@ fn a_plan_ends_in_a_region_and_a_file_that_ends_elsewhere_is_refused() {
     let problem = scenario.problem(Margins::default()).unwrap();
     let robot = problem.robot();
     let source = PlanSource { scenario: "021".to_owned(), ..PlanSource::default() };
-    for (names, planner) in [
-        (vec!["over the table"], None),
-        (vec!["point", "over the table"], Some("rrt-connect")),
-        (vec!["point"], Some("cbirrt2")),
-    ] {
-        let options = PlanOptions { planner: planner.map(str::to_owned), ..options(&names) };
+    // The half turn of a hand, which is as good at a grasp, is none of `beside`.
+    let beside = (0..6).map(|seed| (vec!["beside"], None, seed));
+    for (names, planner, seed) in [
+        (vec!["over the table"], None, 0),
+        (vec!["point", "over the table"], Some("rrt-connect"), 0),
+        (vec!["point"], Some("cbirrt2"), 0),
+        (vec!["beside"], Some("cbirrt2"), 0),
+    ]
+    .into_iter()
+    .chain(beside)
+    {
+        let options = PlanOptions { planner: planner.map(str::to_owned), seed, ..options(&names) };
         let (request, _) = options.request(&problem, Some(&scenario)).unwrap();
         let answer = solve(&problem, &request, &mut Unobserved).unwrap();
         assert!(answer.is_valid(), "{names:?}");
@@ -92,7 +103,7 @@ fn regions_are_written_with_the_scenario() {
     let again = folder.path().join("again");
     scenario.write_folder(&again).unwrap();
     let again = opened(&again);
-    assert_eq!(scenario.regions.len(), 3);
+    assert_eq!(scenario.regions.len(), 4);
     for (name, region) in &scenario.regions {
         let other: &Region = &again.regions[name];
         let pose = region.draw(&mut cranny_spatial::Stream::new(4, 0));

@@ -517,7 +517,7 @@ CrannyStatus cranny_scenario_with_grasps(const CrannyScenario *scenario,
 // ones: "planner" (a name), "seed" (0; the same seed and iterations give the same way points on every machine), "time_limit_s"
 // (120), "iterations", "margin_m" and "grasp_margin_m" (clearances that the proof must show), "optimise_s" (seconds for better
 // paths) and "cost", "speed" and "acceleration" (fractions of the limits), "tool_speed_m_s", "jerk_limited", "upright_deg",
-// "carry" ("home", "out" or configurations), "place", "task", "robust". docs/cpp.md lists all.
+// "carry" ("home", "out" or configurations), "goal_region", "place", "task", "robust". docs/cpp.md lists all.
 //
 // `should_stop`: NULL, or a function that is called with `context` and ends the search by returning true.
 CrannyStatus cranny_plan(const CrannyScenario *scenario,

@@ -49,7 +49,7 @@ const ROUNDING_M: f64 = 1e-9;
 pub fn base_enclosure(problem: &Problem) -> Option<BaseEnclosure> {
     let cell = problem.cell()?;
     let base = Base::new(cell, problem.start())?;
-    let goals = Goals::new(problem, &base)?;
+    let goals = Goals::new(problem, &base).filter(|goals| !goals.is_empty())?;
     Squares::new(base, goals, problem.start()).proof()
 }
 
@@ -200,6 +200,13 @@ impl Goals {
             }
             Goal::Regions(regions) => Some(Self::Tips(regions.iter().map(Region::ball).collect())),
             Goal::Grasps(_) => None,
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        match self {
+            Self::Tips(tips) => tips.is_empty(),
+            Self::Slides(ends) => ends.is_empty(),
         }
     }
 }
@@ -454,7 +461,8 @@ impl<'a> Squares<'a> {
             let reaches: Vec<Reach> = region.iter().map(|place| self.reach(*place)).collect();
             let beyond_m = reaches.iter().map(|reach| reach.beyond_m).fold(f64::INFINITY, f64::min);
             if beyond_m > 0.0 {
-                return Some(self.enclosure(&region, &borders, beyond_m));
+                // Without borders, the goals are beyond reach from everywhere, which is another reason.
+                return (!borders.is_empty()).then(|| self.enclosure(&region, &borders, beyond_m));
             }
             let is_unclear = |(place, reach): &(&Place, &Reach)| {
                 let is_partly = reach.beyond_m <= 0.0 && !reach.is_from_middle;

@@ -54,7 +54,7 @@ impl PoseBounds {
         }
     }
 
-    /// Draws a pose: positions are uniform; roll, pitch and yaw are uniform, or rotations have uniform axes and uniform angles.
+    /// Draws a pose in the frame of the bounds: positions are uniform; roll, pitch and yaw are uniform, or rotations have uniform axes and uniform angles.
     pub fn draw(&self, random: &mut Stream) -> Pose {
         match self {
             Self::Within { within_m, within_deg } => {
@@ -66,12 +66,12 @@ impl PoseBounds {
         }
     }
 
-    /// Returns the central pose.
+    /// Returns the central pose in the frame of the bounds.
     pub fn middle(&self) -> Pose {
         self.at(&[0.5; 6])
     }
 
-    /// Returns the pose at these shares of the intervals, each in [0, 1]; the identity for other bounds.
+    /// Returns the pose, in the frame of the bounds, at these shares of the intervals, each in [0, 1]; the identity for other bounds.
     pub fn at(&self, shares: &[f64; 6]) -> Pose {
         let Self::Intervals { position_m, rpy_deg } = self else { return Pose::identity() };
         let value = |[lower, upper]: [f64; 2], share: f64| lower + (upper - lower) * share;

@@ -4,14 +4,12 @@ use cranny_spatial::{EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, Point, Pose, PoseD
 use serde::{Deserialize, Serialize};
 
 use crate::PoseBounds;
-use crate::stages::region_row::RegionRow;
 
 /// Task space region: a set of poses of the hand, or of the object in it (Berenson, Srinivasa & Kuffner 2011, §4).
 ///
 /// A region of one frame is `{pose · b · end : b ∈ bounds}`. One of two frames, such as those of a hinge and of a handle beyond
 /// it, is the product of both sets, first times second. A pose counts as in the region within 1 mm and 1°.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "RegionRow", into = "RegionRow")]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     /// The frame that is moved into the region.
     pub moved: Moved,

@@ -4,7 +4,8 @@ use std::borrow::Cow;
 
 use cranny_spatial::{Pose, PoseDifference, Rotation, Vector, rotation_from_xyzw};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::{Moved, PoseBounds, Region, RegionFrame};
 
@@ -110,6 +111,18 @@ impl FrameRow {
             rpy_deg: [self.roll_deg, self.pitch_deg, self.yaw_deg],
         };
         Ok(RegionFrame { pose: pose(&self.pose)?, bounds, end: pose(&self.end)? })
+    }
+}
+
+impl Serialize for Region {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        RegionRow::from(self.clone()).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Region {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::try_from(RegionRow::deserialize(deserializer)?).map_err(D::Error::custom)
     }
 }
 

@@ -28,7 +28,7 @@ impl Summary {
     /// `<data>` element with its exact value and its path in the JSON document, which the page contains too, as
     /// `<script type="application/json" id="summary">`.
     ///
-    /// A page has less than 3 MB: at most 400 rows, 240 comparisons, 0.9 MB of plots and 3000 jumps of curves. Of more, it and its
+    /// A page has less than 3 MB: at most 360 rows, 240 comparisons, 0.9 MB of plots and 3000 jumps of curves. Of more, it and its
     /// document contain an excerpt: the rows of the best planners on evenly chosen scenarios, the first comparisons, and as many
     /// plots of each environment; the page states what is left out.
     pub fn html(&self, enclosure: &Enclosure) -> String {

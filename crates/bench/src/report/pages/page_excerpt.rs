@@ -9,7 +9,7 @@ use crate::report::planner_rank::ranked_planners;
 use crate::report::{Row, Summary};
 
 /// Maximum number of rows; a row takes about 4 kB, so that a page stays below 3 MB.
-const MOST_ROWS: usize = 400;
+const MOST_ROWS: usize = 360;
 
 /// Maximum number of entries of any other list, each of about 1 kB.
 const MOST_ENTRIES: usize = 240;

@@ -4,9 +4,9 @@ use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
 use crate::planners::rrt::KnownGoals;
-use crate::search::cell_grid::CellGrid;
 use crate::search::connector::{Connector, Path, connect};
 use crate::search::forest::Forest;
+use crate::search::graph::cell_grid::CellGrid;
 use crate::search::growth::{Branch, Grower, Growth};
 use crate::search::search_state::Search;
 use crate::{Budget, Observer, PlanError, PlanReport, Planner, Ranges};
