@@ -170,6 +170,7 @@ macro_rules! pages {
 pages! {
     readme: "README.md",
     carrying_out: "docs/carrying_out.md",
+    certificate: "docs/certificate.md",
     command_line: "docs/command_line.md",
     exec_protocol: "docs/exec_protocol.md",
     first_plan: "docs/first_plan.md",

@@ -110,3 +110,16 @@ fn regions_are_written_with_the_scenario() {
         assert!(other.off(&pose).is_exact(), "{name}");
     }
 }
+
+#[test]
+fn a_scenario_with_a_region_needs_neither_target_nor_grasps() {
+    let hover = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/tutorial/hover");
+    assert_eq!(cranny_scenario::check_folder(&hover).unwrap().len(), 0);
+    let scenario = opened(&hover);
+    let problem = scenario.problem(Margins::default()).unwrap();
+    let (request, _) = options(&["above the table"]).request(&problem, Some(&scenario)).unwrap();
+    assert!(solve(&problem, &request, &mut Unobserved).unwrap().is_valid());
+    let without = PlanOptions::default().request(&problem, Some(&scenario)).unwrap().0;
+    let fault = solve(&problem, &without, &mut Unobserved).unwrap_err().to_string();
+    assert!(fault.contains("name one as goal region"), "{fault}");
+}

@@ -98,7 +98,9 @@ pub enum TaskError {
         problem: String,
     },
     /// The problem has no goal.
-    #[error("the problem has no goal: neither a grasp nor a configuration to reach for")]
+    #[error(
+        "the problem has no goal: neither a grasp nor a configuration nor a region; of the `regions` of a scenario, name one as goal region"
+    )]
     NoGoal,
     /// IK annotation needs a set of grasps and the exact criterion.
     #[error("the inverse kinematics of grasps needs a set of grasps and the exact criterion")]

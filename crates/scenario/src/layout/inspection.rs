@@ -55,11 +55,12 @@ pub fn check_folder(folder: &Path) -> Result<Vec<ScenarioError>, ScenarioError> 
     }
     let mut faults = Vec::new();
     let legible = Legible::of(&path, &yaml::text(cranny_file::TEXT, &path)?, &mut faults);
-    let has_target = legible.as_ref().is_some_and(|legible| legible.file.target.is_some());
+    let has_goal = |file: &ScenarioFile| file.target.is_some() || !file.regions.is_empty();
+    let has_goal = legible.as_ref().is_some_and(|legible| has_goal(&legible.file));
     let robot = legible.map(|legible| legible.check(&Layout { folder, path: &path }, &mut faults));
-    // The grasps file is optional if there is a target: the planner can compute grasps.
+    // The grasps file is optional if there is a target, of which the planner can compute grasps, or a region.
     let grasps = folder.join(GRASPS_FILE);
-    if !has_target || is_there(&grasps)? {
+    if !has_goal || is_there(&grasps)? {
         check_grasps(&grasps, &mut faults);
     }
     let dof = robot.flatten().map(|robot| robot.dof());
