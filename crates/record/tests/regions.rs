@@ -14,7 +14,7 @@ use cranny_task::{Move, Region, Stage};
 const REGIONS: &str = "regions:
   over the table:
     frames:
-      - pose: {position: [1, 0.6, 0.9]}
+      - pose: {position: [1, 0.6, 0.75]}
         x: [-0.2, 0.2]
         y: [-0.1, 0.1]
         yaw_deg: [-180, 180]
