@@ -1,4 +1,5 @@
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 use std::sync::Arc;
 
 use cranny_collision::Cell;
@@ -29,7 +30,7 @@ struct Passage {
 /// 1. A scene for each run of segments in one cell: robot, world and rules as that cell has them, and their hash.
 /// 2. Its path: along the curves of rounded corners if there are any. A motion in a single scene has a path along its way
 ///    points, too.
-/// 3. For each piece and each pair of objects a tree of intervals and planes ([`PieceProof::prove`]).
+/// 3. For each piece and each pair of objects a tree of intervals and planes (`PieceProof::prove`).
 ///
 /// # Errors
 /// [`CertifyError`] for a motion that is not proven, or of a kind that certificates do not cover.
@@ -51,11 +52,13 @@ pub fn certificate(
             return Err(not_covered("a finger before a tip that a joint moves"));
         }
         let scene = scene_text(robot, &model, &Rules { name: &name, start: &start, goal });
-        let hash: String =
-            Sha256::digest(scene.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
-        text.push_str(&format!("{scene}hash {hash}\n"));
+        let hash: String = Sha256::digest(scene.as_bytes()).iter().fold(String::new(), |mut hash, byte| {
+            let _ = write!(hash, "{byte:02x}");
+            hash
+        });
+        let _ = writeln!(text, "{scene}hash {hash}");
         for (path, pieces) in &paths {
-            text.push_str(&format!("path {path}\n"));
+            let _ = writeln!(text, "path {path}");
             path_lines(&mut text, &cell, &model, (path, pieces))?;
         }
     }
@@ -124,7 +127,9 @@ fn path_lines(
     let name = |index: usize| model.objects[index].name.clone();
     for (edge, curve) in pieces.iter().enumerate() {
         text.push_str("piece\n");
-        curve.iter().for_each(|q| line(text, "q", q));
+        for q in curve {
+            line(text, "q", q);
+        }
         let mut proof = PieceProof::new(cell, model, curve);
         for pair in &model.pairs {
             let ((a, b), margin_m) = *pair;
@@ -136,7 +141,7 @@ fn path_lines(
                 margin_m,
                 at: stuck.at,
             })?;
-            text.push_str(&format!("p {a} {b} {}\n", tree.marks));
+            let _ = writeln!(text, "p {a} {b} {}", tree.marks);
             outside.extend(tree.outside.iter().map(|(i, j)| (a, b, *i, *j)));
         }
         for (index, bound) in model.bounds.iter().enumerate() {
@@ -146,7 +151,7 @@ fn path_lines(
                 bound: bound.name.clone(),
                 at: stuck.at,
             })?;
-            text.push_str(&format!("b {index} {marks}\n"));
+            let _ = writeln!(text, "b {index} {marks}");
         }
     }
     for ((a, b), _) in &model.pairs {

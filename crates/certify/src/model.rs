@@ -63,12 +63,11 @@ impl Model {
         let (mut pairs, mut skipped) = (Vec::new(), Vec::new());
         for a in (0..links).filter(solid) {
             for b in (a + 1..model.objects.len()).filter(solid).filter(|b| model.moves(a, *b)) {
-                let demand = match b.checked_sub(links) {
-                    Some(body) => parts[bodies[body]][a],
-                    None => {
-                        let pair = |a, b| demands.get(&(a, b)).copied();
-                        pair(a, b).or(pair(b, a))
-                    }
+                let demand = if let Some(body) = b.checked_sub(links) {
+                    parts[bodies[body]][a]
+                } else {
+                    let pair = |a, b| demands.get(&(a, b)).copied();
+                    pair(a, b).or(pair(b, a))
                 };
                 match demand {
                     Some(required_m) => pairs.push(((a, b), required_m.unwrap_or(-CONTACT_ALLOWANCE_M))),
@@ -77,7 +76,9 @@ impl Model {
             }
         }
         let mut counts: BTreeMap<u64, usize> = BTreeMap::new();
-        pairs.iter().for_each(|(_, required_m)| *counts.entry(required_m.to_bits()).or_default() += 1);
+        for (_, required_m) in &pairs {
+            *counts.entry(required_m.to_bits()).or_default() += 1;
+        }
         let most = counts.into_iter().max_by_key(|(_, count)| *count);
         model.margin_m = most.map_or(0.0, |(bits, _)| f64::from_bits(bits));
         (model.pairs, model.skipped) = (pairs, skipped);

@@ -40,7 +40,7 @@ struct Node {
 
 impl Node {
     fn middle(&self) -> f64 {
-        (self.number as f64 + 0.5) / (self.depth as f64).exp2()
+        (self.number as f64 + 0.5) / f64::from(self.depth).exp2()
     }
 
     /// Puts the nodes of both halves of the interval on a stack, the first one on top.
@@ -126,7 +126,7 @@ impl<'a> PieceProof<'a> {
                 }
                 continue;
             }
-            let parts = self.halved(&node, margin_m, &gap, &gap_of);
+            let parts = Self::halved(&node, margin_m, &gap, &gap_of);
             match parts {
                 Some((side, parts)) => {
                     let _ = write!(tree.marks, "{}", if side == 0 { 'a' } else { 'b' });
@@ -172,7 +172,6 @@ impl<'a> PieceProof<'a> {
 
     /// Returns the halves of the part to divide, and its side; `None` if the interval is to be halved.
     fn halved<'g>(
-        &self,
         node: &Node,
         margin_m: f64,
         gap: &Gap<'_>,

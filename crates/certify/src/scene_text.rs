@@ -77,11 +77,15 @@ fn solid_lines(text: &mut String, PlacedSolid { pose, shape, .. }: &PlacedSolid)
         Shape::HalfSpace => solid("half", &[]),
         Shape::Hull { points, radius_m } => {
             solid("hull", &[*radius_m]);
-            points.iter().for_each(|point| line(text, "v", point.as_slice()));
+            for point in points {
+                line(text, "v", point.as_slice());
+            }
         }
         Shape::Mesh { points, faces } => {
             solid("mesh", &[]);
-            points.iter().for_each(|point| line(text, "v", point.as_slice()));
+            for point in points {
+                line(text, "v", point.as_slice());
+            }
             for [a, b, c] in faces {
                 let _ = writeln!(text, "f {a} {b} {c}");
             }

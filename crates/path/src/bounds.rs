@@ -4,3 +4,4 @@ pub(crate) mod base_enclosure;
 pub(crate) mod lower_bound;
 mod pose_clusters;
 mod pose_functional;
+mod sliding_base;

@@ -1,14 +1,12 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 
-use cranny_collision::{Cell, Collider, DemandedOther};
 use cranny_grasp::Grasp;
-use cranny_robot::{JointKind, Mover, Robot};
-use cranny_shape::{Solid, separation};
-use cranny_spatial::{EXACT_TRANSLATION_M, Point, Pose, Vector};
+use cranny_spatial::{EXACT_TRANSLATION_M, Point};
 use cranny_task::{Goal, Problem, Region};
 use serde::{Deserialize, Serialize};
 
 use crate::audit_limits::START_TOLERANCE;
+use crate::bounds::sliding_base::{ROUNDING_M, SlidingBase};
 
 /// Proof that the base of a robot cannot leave a region from which no goal is in reach.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,9 +30,6 @@ const FINEST_M: f64 = 5e-4;
 /// Maximum number of squares.
 const MOST_SQUARES: usize = 200_000;
 
-/// Upper bound of rounding errors of distances, in metres.
-const ROUNDING_M: f64 = 1e-9;
-
 /// Proves that no path leads from the start of a problem to any of its goals, because the base cannot come near enough. Returns
 /// `None` if that is not so or remains undecided, for a robot whose arm does not stand on one or two slides, and under criteria other
 /// than `exact`.
@@ -48,138 +43,9 @@ const ROUNDING_M: f64 = 1e-9;
 /// only enlarges the region.
 pub fn base_enclosure(problem: &Problem) -> Option<BaseEnclosure> {
     let cell = problem.cell()?;
-    let base = Base::new(cell, problem.start())?;
+    let base = SlidingBase::new(cell, problem.start())?;
     let goals = Goals::new(problem, &base).filter(|goals| !goals.is_empty())?;
     Squares::new(base, goals, problem.start()).proof()
-}
-
-/// One pair of convex solids, the first of which the slides move.
-struct BasePair {
-    names: [String; 2],
-    solid: Solid,
-    /// Pose of the first solid with both slides at zero.
-    at_zero: Pose,
-    /// Translation of the first solid per metre of each slide.
-    ways: [Vector; 2],
-    part: Solid,
-    world_from_part: Pose,
-    required_m: f64,
-}
-
-impl BasePair {
-    fn pose(&self, slides: [f64; 2]) -> Pose {
-        Pose::from_parts(
-            (self.at_zero.translation.vector + self.ways[0] * slides[0] + self.ways[1] * slides[1]).into(),
-            self.at_zero.rotation,
-        )
-    }
-
-    fn touches(&self, slides: [f64; 2]) -> bool {
-        let found =
-            separation(&self.solid, &self.pose(slides), &self.part, &self.world_from_part, self.required_m);
-        found.upper_m < self.required_m - ROUNDING_M
-    }
-
-    /// Returns true if the pair keeps its distance wherever the solid is moved by up to `way_m`.
-    fn is_apart(&self, slides: [f64; 2], way_m: f64) -> bool {
-        let enough_m = self.required_m + way_m;
-        let pose = self.pose(slides);
-        separation(&self.solid, &pose, &self.part, &self.world_from_part, enough_m).lower_m >= enough_m
-    }
-}
-
-/// The slides of the base, and the links that only they move.
-struct Base<'a> {
-    robot: &'a Robot,
-    /// Indices of the slides in `q`; the second is missing for a single slide.
-    slides: [Option<usize>; 2],
-    /// Translation of the arm per metre of each slide.
-    ways: [Vector; 2],
-    limits: [[f64; 2]; 2],
-    pairs: Vec<BasePair>,
-    /// Centre and radius of the reach of the arm, with both slides at zero.
-    centre: Point,
-    radius_m: f64,
-}
-
-impl<'a> Base<'a> {
-    fn new(cell: &'a Cell, start: &[f64]) -> Option<Self> {
-        let robot = &**cell.robot();
-        let frames = robot.frames_at(start);
-        let way_of =
-            |mover: &Mover| frames.link(mover.child_link).rotation * mover.axis_in_child * mover.multiplier;
-        let movers = robot.ancestors(robot.tip());
-        let leading: Vec<&Mover> =
-            movers.iter().take_while(|mover| mover.kind == JointKind::Prismatic).collect();
-        let used = &leading[..leading.len().min(2)];
-        let first = used.first()?;
-        let second = used.get(1).filter(|second| second.joint != first.joint);
-        let used: Vec<&Mover> = std::iter::once(*first).chain(second.copied()).collect();
-        let slides = [Some(first.joint), second.map(|second| second.joint)];
-        let ways = [way_of(first), second.map_or_else(Vector::zeros, |second| way_of(second))];
-        let range = |slide: Option<usize>| {
-            slide.map_or([0.0; 2], |joint| {
-                let limits = robot.limits()[joint];
-                [limits.lower - START_TOLERANCE, limits.upper + START_TOLERANCE]
-            })
-        };
-        let limits = slides.map(range);
-        if limits.iter().flatten().any(|limit| !limit.is_finite()) {
-            return None;
-        }
-        // Slides that lead the arm beyond these two add to its reach.
-        let reach = robot.reach_bound();
-        let (mut centre, mut radius_m) = (*reach.middle(), reach.radius_m() + ROUNDING_M);
-        for mover in &leading {
-            let limits = robot.limits()[mover.joint];
-            if used.contains(mover) {
-                centre -= way_of(mover) * (0.5 * (limits.lower + limits.upper));
-            } else {
-                radius_m += (0.5 * (limits.upper - limits.lower) + START_TOLERANCE) * mover.multiplier.abs();
-            }
-        }
-        let is_convex = |solid: &Solid| solid.is_half_space() || solid.support_point(&Vector::z()).is_some();
-        let mut pairs = Vec::new();
-        for pair in cell.demanded_pairs() {
-            let (DemandedOther::Part(part), Some(required_m)) = (pair.other, pair.required_m) else {
-                continue;
-            };
-            let moved_by = robot.ancestors(pair.link);
-            if moved_by.is_empty() || !moved_by.iter().all(|mover| used.contains(&mover)) {
-                continue;
-            }
-            let (body, part) = &cell.parts()[part];
-            let names = [robot.links()[pair.link].name.clone(), cell.name(Collider::Body(*body)).to_owned()];
-            let mut own_ways = [Vector::zeros(); 2];
-            let mut start_way = Vector::zeros();
-            for mover in moved_by {
-                let slide = usize::from(Some(mover.joint) != slides[0]);
-                own_ways[slide] += way_of(mover);
-                start_way += way_of(mover) * start[mover.joint];
-            }
-            for (link_from_solid, solid) in cell.solids_of(pair.link) {
-                if !(is_convex(solid) && is_convex(&part.solid)) {
-                    continue;
-                }
-                let here = frames.link(pair.link) * link_from_solid;
-                let at_zero = Pose::from_parts((here.translation.vector - start_way).into(), here.rotation);
-                pairs.push(BasePair {
-                    names: names.clone(),
-                    solid: solid.clone(),
-                    at_zero,
-                    ways: own_ways,
-                    part: part.solid.clone(),
-                    world_from_part: part.world_from_solid,
-                    required_m,
-                });
-            }
-        }
-        (!pairs.is_empty()).then_some(Self { robot, slides, ways, limits, pairs, centre, radius_m })
-    }
-
-    fn slides_of(&self, q: &[f64]) -> [f64; 2] {
-        self.slides.map(|slide| slide.map_or(0.0, |joint| q[joint]))
-    }
 }
 
 /// Goals of a problem: balls (radius in m) that contain the positions of the tip, or values of the slides.
@@ -189,7 +55,7 @@ enum Goals {
 }
 
 impl Goals {
-    fn new(problem: &Problem, base: &Base) -> Option<Self> {
+    fn new(problem: &Problem, base: &SlidingBase) -> Option<Self> {
         match problem.goal() {
             Goal::Configurations(ends) => {
                 Some(Self::Slides(ends.iter().map(|end| base.slides_of(end)).collect()))
@@ -233,7 +99,7 @@ enum State {
 type Place = (u32, u32, u32);
 
 struct Squares<'a> {
-    base: Base<'a>,
+    base: SlidingBase<'a>,
     goals: Goals,
     start: [f64; 2],
     states: HashMap<Place, State>,
@@ -243,7 +109,7 @@ struct Squares<'a> {
 }
 
 impl<'a> Squares<'a> {
-    fn new(base: Base<'a>, goals: Goals, start: &[f64]) -> Self {
+    fn new(base: SlidingBase<'a>, goals: Goals, start: &[f64]) -> Self {
         let longest = base.limits.iter().map(|[lower, upper]| upper - lower).fold(0.0, f64::max);
         let mut deepest = 0;
         while longest / f64::from(1_u32 << deepest) > FINEST_M && deepest < 20 {

@@ -259,11 +259,10 @@ impl Move {
     fn check(&self, stage: usize, problem: &Problem) -> Result<(), TaskError> {
         let refuse = |problem: String| Err(TaskError::Stage { stage, problem });
         match self {
-            Self::Home => Ok(()),
             Self::Regions(regions) if regions.is_empty() => refuse("'move' lists no region".to_owned()),
             Self::NamedRegions(names) if names.is_empty() => refuse("'move' names no region".to_owned()),
             Self::Regions(regions) => regions.iter().find_map(Region::fault).map_or(Ok(()), refuse),
-            Self::NamedRegions(_) => Ok(()),
+            Self::Home | Self::NamedRegions(_) => Ok(()),
             Self::Clear { clear_m } if (0.0..=FARTHEST_CLEAR_M).contains(clear_m) => Ok(()),
             Self::Clear { clear_m } => {
                 refuse(format!("{clear_m} m is not a valid clearance: expected 0 to {FARTHEST_CLEAR_M} m"))
@@ -359,7 +358,7 @@ fn straight_fault(motion: &str, length_m: f64) -> Option<String> {
 enum MoveRow {
     Word(String),
     Configurations(Vec<Vec<f64>>),
-    Region(RegionRow),
+    Region(Box<RegionRow>),
     Regions(Vec<RegionRow>),
     NamedRegions(RegionNames),
 }
@@ -418,7 +417,7 @@ impl TryFrom<StageRow> for Stage {
                 }
             },
             (None, Some(MoveRow::Configurations(ends)), None) => Self::Move(Move::Configurations(ends)),
-            (None, Some(MoveRow::Region(row)), None) => Self::Move(Move::Regions(vec![row.try_into()?])),
+            (None, Some(MoveRow::Region(row)), None) => Self::Move(Move::Regions(vec![(*row).try_into()?])),
             (None, Some(MoveRow::Regions(rows)), None) => {
                 let regions = rows.into_iter().map(Region::try_from).collect::<Result<_, _>>()?;
                 Self::Move(Move::Regions(regions))
@@ -455,7 +454,10 @@ impl From<Stage> for StageRow {
             Stage::Move(Move::Regions(regions)) => {
                 let mut rows: Vec<RegionRow> = regions.into_iter().map(RegionRow::from).collect();
                 let only = if rows.len() == 1 { rows.pop() } else { None };
-                Self { move_to: Some(only.map_or(MoveRow::Regions(rows), MoveRow::Region)), ..row }
+                Self {
+                    move_to: Some(only.map_or(MoveRow::Regions(rows), |row| MoveRow::Region(Box::new(row)))),
+                    ..row
+                }
             }
             Stage::Move(Move::NamedRegions(regions)) => {
                 Self { move_to: Some(MoveRow::NamedRegions(RegionNames { regions })), ..row }
