@@ -11,7 +11,7 @@ use crate::touch::contact::{Collider, Contact};
 const DEPTH_ERROR_M: f64 = 1e-6;
 
 impl Cell {
-    /// Returns true if the hand alone ([`Robot::hand_links`]), with the gripper frame of the robot's tip at `world_from_tip`,
+    /// Returns true if the hand alone ([`hand_links`](cranny_robot::Robot::hand_links)), with the gripper frame of the robot's tip at `world_from_tip`,
     /// keeps its distance from every body of the world. If not, every configuration with that tip pose is in collision.
     pub fn hand_is_free(&self, world_from_tip: &Pose, scratch: &mut Scratch) -> bool {
         self.hand_contact(world_from_tip, scratch).is_none()

@@ -39,7 +39,7 @@ const MOST_SQUARES: usize = 200_000;
 /// whatever the arm does. The remaining squares that are connected with that of the start by common edges contain the base along
 /// every path. If no goal is in reach from them, no path exists. Squares are split in four where this is undecided.
 ///
-/// The reach of the arm is that of [`Robot::reach_bound`]. Parts of the base and of the world that are not convex are ignored, which
+/// The reach of the arm is that of [`reach_bound`](cranny_robot::Robot::reach_bound). Parts of the base and of the world that are not convex are ignored, which
 /// only enlarges the region.
 pub fn base_enclosure(problem: &Problem) -> Option<BaseEnclosure> {
     let cell = problem.cell()?;
