@@ -1,4 +1,4 @@
-//! What no path can achieve: lower bounds of the length, and regions that the base cannot leave.
+//! Limits of every path: lower bounds of the length, and regions that the base cannot leave.
 
 pub(crate) mod base_enclosure;
 pub(crate) mod lower_bound;

@@ -10,7 +10,7 @@ use cranny_scenario::{
     SceneScale, catalogue,
 };
 use cranny_solve::{Request, solve};
-use cranny_task::Problem;
+use cranny_task::{Problem, Stage};
 
 /// Depth of the box behind the wall of a deep gap, in metres: more than the arm reaches from before the wall.
 const DEEPER_M: f64 = 0.55;
@@ -117,4 +117,13 @@ fn where_a_grid_finds_a_way_nothing_is_proven_and_the_converse_holds_away_from_t
 #[test]
 fn a_box_in_reach_from_before_the_wall_proves_nothing() {
     assert_eq!(base_enclosure(&gap(&maker(Family::Gap), 0.30, 0.0)), None);
+}
+
+#[test]
+fn the_outcome_of_a_task_of_several_stages_is_that_of_the_proof_too() {
+    let problem = gap(&maker(Family::Gap), 0.40, DEEPER_M);
+    let stages = vec![Stage::pick(), Stage::home()];
+    let answer = solve(&problem, &Request { stages, ..request(100) }, &mut Unobserved).unwrap();
+    assert_eq!(answer.outcome, Outcome::NoReachableGrasp);
+    assert!(matches!(answer.no_grasp, Some(NoGrasp::BaseEnclosed(_))), "{:?}", answer.no_grasp);
 }

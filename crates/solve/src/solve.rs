@@ -7,7 +7,7 @@ use cranny_plan::{Budget, NoGrasp, Observer, Outcome, PlanError, PlanReport, Uno
 use cranny_robot::Robot;
 use cranny_spatial::{Pose, other_seed};
 use cranny_task::{
-    Carrier, FailureReason, GraspFilter, Payload, Problem, Segment, Stage, State, StateSequence,
+    Carrier, FailureReason, Goal, GraspFilter, Payload, Problem, Segment, Stage, State, StateSequence,
     give_clearances, joined,
 };
 
@@ -33,6 +33,7 @@ use crate::{
 /// 7. The length of every path of the task is bounded from below, if requested ([`least_length`]).
 /// 8. If a path turns a joint more than half a turn beyond need ([`Robot::needless_turn`]), other seeds are tried first.
 ///
+/// A search that ends without a path although a proof shows that none exists ([`NoGrasp::BaseEnclosed`]) has the outcome of that proof.
 /// The absence of a path is an answer ([`Outcome`]), not an error.
 ///
 /// # Errors
@@ -153,6 +154,8 @@ fn solve_asked(
             | Outcome::RegionOutOfReach
     );
     let no_grasp = if is_grasp_missed { NoGrasp::of(&first, &failures) } else { None };
+    let outcome = proven_outcome(outcome, no_grasp.as_ref(), first.goal());
+    let refused = refused.filter(|_| outcome == Outcome::ClaimedNotProven);
     let goal_faults = if outcome == Outcome::GoalsInvalid { first.goal_faults() } else { Vec::new() };
     // 6.
     let holds = holds && audit.as_ref().is_some_and(|audit| audit.valid);
@@ -200,6 +203,16 @@ fn solve_asked(
         refused,
         not_checked,
     })
+}
+
+/// Returns the outcome that a proof gives to a search without a path.
+fn proven_outcome(outcome: Outcome, reason: Option<&NoGrasp>, goal: &Goal) -> Outcome {
+    let is_open = matches!(outcome, Outcome::BudgetExhausted | Outcome::ClaimedNotProven | Outcome::GaveUp);
+    match (reason, goal) {
+        (Some(NoGrasp::BaseEnclosed(_)), Goal::Grasps(_)) if is_open => Outcome::NoReachableGrasp,
+        (Some(NoGrasp::BaseEnclosed(_)), Goal::Regions(_)) if is_open => Outcome::RegionOutOfReach,
+        _ => outcome,
+    }
 }
 
 /// Segments, the states along them, the firmness of the hold, and the seconds spent on rounding corners.

@@ -1,6 +1,5 @@
 use std::time::Duration;
 
-use cranny_path::base_enclosure;
 use cranny_spatial::{EXACT_TRANSLATION_M, other_seed};
 use cranny_task::{Goal, Problem, Region};
 
@@ -8,8 +7,7 @@ use crate::search::no_grasp::all_excluded;
 use crate::{Budget, Observer, Outcome, PathSearch, PlanError, PlanReport, Planner, Statistics};
 
 /// Runs a planner with valid settings ([`Planner::check`]). If every grasp is excluded beforehand, by its width or because it
-/// is beyond reach, or every region, no search begins. After a search without a path, a proof that the base cannot come near enough
-/// to any grasp or region ([`base_enclosure`]) makes its outcome [`Outcome::NoReachableGrasp`] or [`Outcome::RegionOutOfReach`].
+/// is beyond reach, or every region, no search begins.
 ///
 /// # Errors
 /// Those of the planner.
@@ -23,23 +21,8 @@ pub fn search(
     planner.check()?;
     match excluded(problem) {
         Some(report) => Ok(report),
-        None => Ok(settled(planner.plan(problem, budget, seed, observer)?, problem)),
+        None => planner.plan(problem, budget, seed, observer),
     }
-}
-
-/// Returns the report with the outcome that a proof gives, if the planner found no path.
-fn settled(report: PlanReport, problem: &Problem) -> PlanReport {
-    let is_open =
-        matches!(report.outcome, Outcome::BudgetExhausted | Outcome::ClaimedNotProven | Outcome::GaveUp);
-    let proven = match problem.goal() {
-        Goal::Grasps(_) => Outcome::NoReachableGrasp,
-        Goal::Regions(_) => Outcome::RegionOutOfReach,
-        Goal::Configurations(_) => return report,
-    };
-    if is_open && base_enclosure(problem).is_some() {
-        return PlanReport { outcome: proven, refused: None, ..report };
-    }
-    report
 }
 
 /// Begins the search of a planner for one path after another, as [`search`] does for one.

@@ -16,7 +16,7 @@ use crate::{Moved, PoseBounds, Region, RegionFrame};
 /// - a box: half a turn about each of its axes;
 /// - any other object: the grasp alone.
 ///
-/// Whether the hand is free at a pose of a region is left to the planner.
+/// The planner decides where in a region the hand is free.
 pub fn grasp_regions(body: &Body, world_from_gripper: &Pose) -> Vec<Region> {
     let only = match &body.parts[..] {
         [part] => Some((part.world_from_solid, part.solid.outline())),
