@@ -54,10 +54,17 @@ fn a_simulation_of_grasps_goes_on_where_it_was_stopped() {
     // Measures the duration on this machine under its current load.
     let whole_s = begin.elapsed().as_secs_f64();
     let (mut known, mut was_stopped) = (0, false);
+    let mut after_s = 0.45 * whole_s;
     loop {
-        let output = stopped_after(0.45 * whole_s, folder, &simulate("scored.csv"));
+        let output = stopped_after(after_s, folder, &simulate("scored.csv"));
         let found = document(&output);
         assert_eq!(found["known"], known, "{found}");
+        // Other programs may have slowed the first run down, and not this one.
+        if found["stopped"] == false && !was_stopped && after_s > 0.02 * whole_s {
+            std::fs::remove_file(folder.join("scored.csv")).expect("removed");
+            after_s *= 0.5;
+            continue;
+        }
         known = found["grasps"].as_u64().expect("a count");
         if found["stopped"] == false {
             break;
