@@ -3,3 +3,4 @@
 pub(crate) mod box_chunk;
 pub(crate) mod box_order;
 pub(crate) mod box_union;
+pub(crate) mod free_grid;

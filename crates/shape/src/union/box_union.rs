@@ -8,7 +8,8 @@ use parry3d_f64::math::Vector as ParryVector;
 use crate::distance::convex::{Convex, Core, HullPoints};
 use crate::error::positive;
 use crate::union::box_chunk::{BoxChunk, NarrowBox, enclosing};
-use crate::union::box_order::nearby_order;
+use crate::union::box_order::compact_order;
+use crate::union::free_grid::FreeGrid;
 use crate::{Aabb, Ball, ShapeError};
 
 /// Union of boxes along the axes of its frame, all rounded by the same radius: the cells of a map of space or, without extent, the
@@ -21,6 +22,7 @@ pub struct BoxUnion {
     /// Chunks of boxes, level by level: those of the union, then the boxes around the chunks of the level before, until a single
     /// chunk remains.
     levels: Vec<Vec<BoxChunk>>,
+    free: FreeGrid,
     count: usize,
     radius_m: f64,
     around: Aabb,
@@ -61,7 +63,7 @@ impl BoxUnion {
                 return Err(ShapeError::NotFinite { vertex, x, y, z });
             }
         }
-        let order = nearby_order(&boxes);
+        let order = compact_order(&boxes);
         let ordered = |places: &[u32]| BoxChunk::of(places.iter().map(|place| boxes[*place as usize]));
         let mut levels: Vec<Vec<BoxChunk>> = vec![order.chunks(LANES).map(ordered).collect()];
         let mut count = boxes.len();
@@ -79,7 +81,9 @@ impl BoxUnion {
             count = full;
         };
         let around = BoxChunk::of(std::iter::once(around)).get(0);
-        Ok(Self { levels, count: boxes.len(), radius_m, around })
+        let all = boxes.iter().map(|own| BoxChunk::of(std::iter::once(*own)).get(0));
+        let free = FreeGrid::new(&around, boxes.len(), all);
+        Ok(Self { levels, free, count: boxes.len(), radius_m, around })
     }
 
     /// Returns the number of boxes.
@@ -113,6 +117,9 @@ impl BoxUnion {
     pub fn is_closer<S: Simd>(&self, simd: S, point: [f32; 3], reach_m: f32) -> bool {
         #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
         let reach = (reach_m + self.radius_m as f32).max(0.0);
+        if self.free.at(point) >= reach * reach {
+            return false;
+        }
         let (point, bound) = (LaneVector::splat(simd, point), f32x16::splat(simd, reach * reach));
         let top = self.levels.len() - 1;
         let mut open = [0_u32; MOST_LEVELS];
