@@ -3,12 +3,13 @@
 use crate::step::{self, Readiness, Surroundings};
 
 /// Crates in which a wrong index or count could go unnoticed.
-const ROOMS: [&str; 8] = [
+const ROOMS: [&str; 9] = [
     "cranny-spatial",
     "cranny-shape",
     "cranny-robot",
     "cranny-grasp",
     "cranny-collision",
+    "cranny-sense",
     "cranny-task",
     "cranny-path",
     "cranny-plan",

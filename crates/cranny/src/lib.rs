@@ -30,6 +30,7 @@ pub use cranny_plan as plan;
 pub use cranny_record as record;
 pub use cranny_robot as robot;
 pub use cranny_scenario as scenario;
+pub use cranny_sense as sense;
 #[cfg(feature = "setup")]
 pub use cranny_setup as setup;
 pub use cranny_shape as shape;

@@ -1,0 +1,100 @@
+use std::path::PathBuf;
+
+/// Errors of cameras, depth images, point clouds and their files. Each message names the file, if there is one.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SenseError {
+    /// A property of a camera is out of its range.
+    #[error("the {property} of a camera must be {range}, but is {value}")]
+    Camera {
+        /// Name of the property, with its unit.
+        property: &'static str,
+        /// The invalid value.
+        value: f64,
+        /// Valid range.
+        range: &'static str,
+    },
+    /// The pose of a camera is not a rigid transform within the largest coordinates.
+    #[error(
+        "the pose of a camera must be a rotation and a position of at most 1000 m from the origin; {problem}"
+    )]
+    CameraPose {
+        /// Description of the fault.
+        problem: String,
+    },
+    /// A property of a sensor is out of its range.
+    #[error("the {property} of a sensor must be {range}, but is {value}")]
+    Sensor {
+        /// Name of the property.
+        property: &'static str,
+        /// The invalid value.
+        value: f64,
+        /// Valid range.
+        range: &'static str,
+    },
+    /// The number of depths does not match the size of the image.
+    #[error("a depth image of {width} × {height} pixels has {} depths, but {actual} are given", width * height)]
+    DepthCount {
+        /// Width, in pixels.
+        width: usize,
+        /// Height, in pixels.
+        height: usize,
+        /// Number of given depths.
+        actual: usize,
+    },
+    /// The size of a depth image differs from that of its camera.
+    #[error(
+        "the depth image has {} × {} pixels, but its camera {} × {}",
+        image[0], image[1], camera[0], camera[1]
+    )]
+    ViewSize {
+        /// Width and height of the image, in pixels.
+        image: [usize; 2],
+        /// Width and height of the camera, in pixels.
+        camera: [usize; 2],
+    },
+    /// A solid has no surface that can be rendered.
+    #[error("'{name}' has a solid without a surface that can be rendered")]
+    NoSurface {
+        /// Name of the body.
+        name: String,
+    },
+    /// A scene has more bodies than a segment image can number.
+    #[error("a rendered scene has at most {most} bodies, but this one has {actual}")]
+    TooManyBodies {
+        /// Maximum number.
+        most: usize,
+        /// Actual number.
+        actual: usize,
+    },
+    /// No camera position around the target is free.
+    #[error("no position around the target is free for a camera: give cameras in a file (--cameras FILE)")]
+    NoCameraPosition,
+    /// A noise setting is out of its range.
+    #[error("the {property} of a noise must be {range}, but is {value}")]
+    Noise {
+        /// Name of the property.
+        property: &'static str,
+        /// The invalid value.
+        value: f64,
+        /// Valid range.
+        range: &'static str,
+    },
+    /// A file cannot be read.
+    #[error("{}: cannot be read: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Error of the operating system.
+        reason: std::io::Error,
+    },
+}
+
+/// Returns the value if it lies within a closed range; `fault` gets any other value, NaN included.
+pub(crate) fn within(
+    value: f64,
+    [least, greatest]: [f64; 2],
+    fault: impl FnOnce(f64) -> SenseError,
+) -> Result<(), SenseError> {
+    if (least..=greatest).contains(&value) { Ok(()) } else { Err(fault(value)) }
+}

@@ -1,0 +1,21 @@
+#![doc = include_str!("../README.md")]
+
+mod camera;
+mod default_cameras;
+mod depth_image;
+mod error;
+mod noise;
+mod rendering;
+mod scene;
+mod sensor_model;
+mod view;
+
+pub use camera::{Camera, MOST_SIDE_PX};
+pub use default_cameras::{DefaultCameras, default_cameras};
+pub use depth_image::DepthImage;
+pub use error::SenseError;
+pub use noise::{Noise, noisy};
+pub use rendering::render::Render;
+pub use scene::{Segment, SegmentKind, SensedScene};
+pub use sensor_model::SensorModel;
+pub use view::View;

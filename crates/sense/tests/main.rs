@@ -1,0 +1,4 @@
+//! Tests of depth images, point clouds and their files.
+
+mod measuring;
+mod rendering;
