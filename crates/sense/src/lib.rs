@@ -7,6 +7,7 @@ mod error;
 mod noise;
 mod rendering;
 mod scene;
+mod seen;
 mod sensor_model;
 mod view;
 
@@ -17,5 +18,7 @@ pub use error::SenseError;
 pub use noise::{Noise, noisy};
 pub use rendering::render::Render;
 pub use scene::{Segment, SegmentKind, SensedScene};
+pub use seen::known_solids::KnownBody;
+pub use seen::seen_map::{SeenMap, SeenSettings, Unseen};
 pub use sensor_model::SensorModel;
 pub use view::View;
