@@ -2,3 +2,4 @@
 
 mod measuring;
 mod rendering;
+mod view_files;
