@@ -212,6 +212,7 @@ fn kind(solid: &Solid) -> &'static str {
         Outline::Segment { .. } => "capsule",
         Outline::Cylinder { .. } => "cylinder",
         Outline::HalfSpace => "floor",
+        Outline::Union => "union",
         Outline::Other => "mesh",
     }
 }

@@ -1,4 +1,4 @@
-use cranny_collision::Cell;
+use cranny_collision::{Cell, Part};
 use cranny_robot::LinkMotion;
 use cranny_shape::{Outline, Solid};
 use cranny_spatial::{Point, Pose, Vector};
@@ -61,7 +61,7 @@ impl PlacedSolid {
                 let (points, radius_m) = solid.bounding_points().unwrap_or_default();
                 Shape::Hull { points: points.iter().map(|point| point.coords).collect(), radius_m }
             }
-            Outline::Other => mesh(solid),
+            Outline::Union | Outline::Other => mesh(solid),
         };
         let mut placed = Self { pose: object_from_solid, shape, low: Vector::zeros(), high: Vector::zeros() };
         let far = |direction: Vector| placed.support(&direction, placed.all_faces()).1;
@@ -130,7 +130,12 @@ impl Object {
     /// Returns an object of these parts of the world of a cell.
     pub fn body(cell: &Cell, name: String, parts: &[usize]) -> Self {
         let part = |index: &usize| &cell.parts()[*index].1;
-        let solids = parts.iter().map(part).map(|part| PlacedSolid::new(part.world_from_solid, &part.solid));
+        let pieces = |part: &Part| {
+            let placed =
+                |(pose, solid): (Pose, Solid)| PlacedSolid::new(part.world_from_solid * pose, &solid);
+            part.solid.pieces().into_iter().map(placed).collect::<Vec<_>>()
+        };
+        let solids = parts.iter().map(part).flat_map(pieces);
         Self::ordered(name, None, solids.collect())
     }
 

@@ -56,6 +56,18 @@ pub enum SenseError {
         /// Width and height of the camera, in pixels.
         camera: [usize; 2],
     },
+    /// A map of seen space has no views.
+    #[error("a map of seen space needs at least one view")]
+    NoViews,
+    /// A map of seen space is out of range.
+    #[error("a map of seen space cannot be made: {problem}")]
+    Map {
+        /// Description of the fault.
+        problem: String,
+    },
+    /// A shape is out of range.
+    #[error(transparent)]
+    Shape(#[from] cranny_shape::ShapeError),
     /// A solid has no surface that can be rendered.
     #[error("'{name}' has a solid without a surface that can be rendered")]
     NoSurface {

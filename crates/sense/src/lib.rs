@@ -8,6 +8,7 @@ mod files;
 mod noise;
 mod rendering;
 mod scene;
+mod seen;
 mod sensor_model;
 mod view;
 
@@ -22,5 +23,7 @@ pub use files::views::{NamedFile, StoredView, VIEWS_FILE, Views};
 pub use noise::{Noise, noisy};
 pub use rendering::render::Render;
 pub use scene::{Segment, SegmentKind, SensedScene};
+pub use seen::known_solids::KnownBody;
+pub use seen::seen_map::{SeenMap, SeenSettings, Unseen};
 pub use sensor_model::SensorModel;
 pub use view::View;

@@ -92,8 +92,11 @@ impl SensedScene {
         let too_many = |actual| SenseError::TooManyBodies { most: MOST_SEGMENTS, actual };
         let number = self.segments.len() + 1;
         let number = u16::try_from(number).map_err(|_| too_many(number))?;
-        for (world_from_solid, solid) in solids {
-            let surface = Surface::new(world_from_solid, solid)
+        let pieces = solids.into_iter().flat_map(|(world_from_solid, solid)| {
+            solid.pieces().into_iter().map(move |(pose, piece)| (world_from_solid * pose, piece))
+        });
+        for (world_from_solid, solid) in pieces {
+            let surface = Surface::new(world_from_solid, &solid)
                 .ok_or_else(|| SenseError::NoSurface { name: segment.name.clone() })?;
             self.surfaces.push((number, surface));
         }

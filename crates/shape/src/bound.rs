@@ -1,3 +1,4 @@
+use cranny_spatial::nalgebra::Rotation3;
 use cranny_spatial::{Point, Pose, Vector};
 
 /// A ball that contains a shape, in the shape's frame.
@@ -123,9 +124,18 @@ impl Aabb {
     /// The greater of the distances from each box to the axis-aligned box around the other: exact if a face is nearest, too low
     /// if two edges are nearest.
     pub fn gap_to(&self, other: &Self, self_from_other: &Pose) -> f64 {
-        let rotation = self_from_other.rotation.to_rotation_matrix();
+        self.gap_to_turned(other, self_from_other, &self_from_other.rotation.to_rotation_matrix())
+    }
+
+    /// [`Self::gap_to`] for a pose whose rotation is also known as a matrix.
+    pub(crate) fn gap_to_turned(
+        &self,
+        other: &Self,
+        self_from_other: &Pose,
+        rotation: &Rotation3<f64>,
+    ) -> f64 {
         let turned = rotation.matrix().abs();
-        let between = self_from_other * other.center - self.center;
+        let between = rotation * other.center + self_from_other.translation.vector - self.center;
         let here = between.abs() - self.half_extents - turned * other.half_extents;
         let back = rotation.inverse() * between;
         let there = back.abs() - other.half_extents - turned.transpose() * self.half_extents;

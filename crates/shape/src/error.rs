@@ -166,6 +166,12 @@ pub enum ShapeError {
         /// The factor of z.
         z: f64,
     },
+    /// A cloud, or a map of cells, where a mesh is wanted.
+    #[error("a cloud of points, or a map of cells, cannot be written as a mesh")]
+    NoMesh,
+    /// A cloud has no points, or a union no boxes.
+    #[error("a cloud needs at least one point (were all of them cut away or invalid?)")]
+    NoPoints,
     /// A mesh has no triangles.
     #[error("the mesh has no triangles (is it a mesh at all?)")]
     Empty,

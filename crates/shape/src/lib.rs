@@ -12,6 +12,7 @@ mod mesh_files;
 mod solid;
 mod surface;
 mod tessellation;
+mod union;
 mod volume;
 
 pub use bound::{Aabb, Ball, Bounds};
@@ -39,6 +40,7 @@ pub use mesh_files::painted_mesh::PaintedMesh;
 pub use mesh_files::painted_piece::PaintedPiece;
 pub use solid::{Outline, Solid};
 pub use surface::Surface;
+pub use union::box_union::BoxUnion;
 pub use volume::area::{AreaDistribution, SurfacePoint};
 pub use volume::moments::VolumeMoments;
 pub use volume::pose_symmetry::{distinct_poses, equal_poses};

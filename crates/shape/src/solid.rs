@@ -1,12 +1,13 @@
 use std::sync::Arc;
 
-use cranny_spatial::{Point, Pose, Vector};
+use cranny_spatial::{Point, Pose, Rotation, Vector};
 use parry3d_f64::shape::SupportMap;
 
 use crate::distance::convex::{Convex, Core};
 use crate::error::positive;
 use crate::mesh::Mesh;
-use crate::{Aabb, Ball, Bounds, MeshRepairs, ShapeError, TriangleSoup, distance::parry};
+use crate::union::box_union::corners;
+use crate::{Aabb, Ball, Bounds, BoxUnion, MeshRepairs, ShapeError, TriangleSoup, distance::parry};
 
 /// A solid in its own frame. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -21,6 +22,7 @@ pub(crate) enum Kind {
     Mesh(Arc<Mesh>),
     /// All points with z ≤ 0.
     HalfSpace,
+    Union(Arc<BoxUnion>),
 }
 
 /// Kind and dimensions of a solid. All shapes are centred at the origin, with their length along z.
@@ -47,6 +49,8 @@ pub enum Outline {
     },
     /// All points with z ≤ 0.
     HalfSpace,
+    /// A union of boxes or points.
+    Union,
     /// A hull or a mesh, without dimensions.
     Other,
 }
@@ -137,6 +141,13 @@ impl Solid {
         }
     }
 
+    /// A union of boxes, or of balls around the points of a cloud.
+    pub fn union(union: BoxUnion) -> Self {
+        let aabb = union.around();
+        let ball = Ball { center: aabb.center, radius_m: aabb.half_extents.norm() };
+        Self { kind: Kind::Union(Arc::new(union)), bounds: Bounds { ball, aabb } }
+    }
+
     /// A ball that contains the solid; of infinite radius for a half-space.
     pub fn ball(&self) -> &Ball {
         &self.bounds.ball
@@ -169,6 +180,7 @@ impl Solid {
     pub fn outline(&self) -> Outline {
         match &self.kind {
             Kind::HalfSpace => Outline::HalfSpace,
+            Kind::Union(_) => Outline::Union,
             Kind::Mesh(_) => Outline::Other,
             Kind::Convex(convex) => match convex.core {
                 Core::Cuboid { half_extents } => Outline::Cuboid { half_extents },
@@ -189,11 +201,35 @@ impl Solid {
         match &self.kind {
             Kind::Convex(convex) => Some((convex.bounding_points(), convex.radius_m)),
             Kind::Mesh(mesh) => Some((mesh.vertices().collect(), 0.0)),
+            Kind::Union(union) => Some((corners(&union.around()).to_vec(), 0.0)),
             Kind::HalfSpace => None,
         }
     }
 
-    /// Farthest point of a convex solid along `direction`; `None` for a mesh or half-space.
+    /// Union of boxes or points of the solid; `None` for any other solid.
+    pub fn as_union(&self) -> Option<&Arc<BoxUnion>> {
+        match &self.kind {
+            Kind::Union(union) => Some(union),
+            _ => None,
+        }
+    }
+
+    /// Solids, each with its pose in the frame of this one, that make it up: the boxes or balls of a union, else itself.
+    pub fn pieces(&self) -> Vec<(Pose, Self)> {
+        let Some(union) = self.as_union() else { return vec![(Pose::identity(), self.clone())] };
+        let piece = |aabb: Aabb| {
+            let core = if aabb.half_extents.amax() > 0.0 {
+                Core::Cuboid { half_extents: aabb.half_extents }
+            } else {
+                Core::Point
+            };
+            let pose = Pose::from_parts(aabb.center.coords.into(), Rotation::identity());
+            (pose, Self::convex(Convex { core, radius_m: union.radius_m() }))
+        };
+        union.boxes().map(piece).collect()
+    }
+
+    /// Farthest point of a convex solid along `direction`; `None` for a mesh, a union or a half-space.
     pub fn support_point(&self, direction: &Vector) -> Option<Point> {
         match &self.kind {
             Kind::Convex(convex) => Some(support(convex, direction)),
@@ -227,6 +263,10 @@ impl Solid {
             Kind::Convex(convex) => lowest(convex, target_from_solid),
             Kind::Mesh(mesh) => {
                 mesh.vertices().map(|v| (target_from_solid * v).z).fold(f64::INFINITY, f64::min)
+            }
+            Kind::Union(union) => {
+                let lowest = |aabb: Aabb| aabb.transformed(target_from_solid).low().z;
+                union.boxes().map(lowest).fold(f64::INFINITY, f64::min) - union.radius_m()
             }
             Kind::HalfSpace => f64::NEG_INFINITY,
         }

@@ -1,9 +1,9 @@
 use std::f64::consts::TAU;
 
-use cranny_spatial::{Point, sin_cos};
+use cranny_spatial::{Point, Vector, sin_cos};
 
 use crate::solid::Kind;
-use crate::{Outline, Solid, Surface, TriangleSoup};
+use crate::{BoxUnion, Outline, Solid, Surface, TriangleSoup};
 
 /// Corners of a full circle: a cylinder of 5 cm radius then bulges by 0.15 mm between two of them.
 const CIRCLE_POINTS: u32 = 40;
@@ -13,7 +13,8 @@ const SPHERE_DIVISIONS: u32 = 3;
 
 impl Solid {
     /// Surface of the solid as triangles in its own frame, normals outwards, for display. Exact for cuboids, hulls and
-    /// meshes; for round solids the corners lie on the surface. `None` for a half-space.
+    /// meshes; for round solids the corners lie on the surface. A point of a cloud is an octahedron; pieces of a union may
+    /// overlap. `None` for a half-space.
     pub fn tessellation(&self) -> Option<TriangleSoup> {
         match self.outline() {
             Outline::HalfSpace => None,
@@ -25,6 +26,7 @@ impl Solid {
             Outline::Cylinder { half_length_m, radius_m } => {
                 Some(turned(&[(-half_length_m, radius_m), (half_length_m, radius_m)]))
             }
+            Outline::Union => self.as_union().map(|union| union_soup(union)),
             Outline::Other => {
                 if let Kind::Mesh(mesh) = self.kind() {
                     return TriangleSoup::from_corners(mesh.vertices()).ok();
@@ -34,6 +36,22 @@ impl Solid {
             }
         }
     }
+}
+
+/// Triangles of all boxes of a union, or an octahedron at each point.
+fn union_soup(union: &BoxUnion) -> TriangleSoup {
+    let mut soup = TriangleSoup::default();
+    let tips = [Vector::x(), Vector::y(), Vector::z()].map(|axis| axis * union.radius_m());
+    let tips: Vec<Point> = tips.iter().flat_map(|tip| [Point::from(*tip), Point::from(-tip)]).collect();
+    let octahedron = TriangleSoup::convex_hull(&tips).unwrap_or_default();
+    for aabb in union.boxes() {
+        let is_point = aabb.half_extents.amax() <= 0.0;
+        let piece = if is_point { octahedron.clone() } else { Surface::cuboid_soup(&aabb.half_extents) };
+        let first = u32::try_from(soup.vertices.len()).unwrap_or(u32::MAX);
+        soup.vertices.extend(piece.vertices.iter().map(|vertex| aabb.center + vertex.coords));
+        soup.triangles.extend(piece.triangles.iter().map(|corners| corners.map(|corner| first + corner)));
+    }
+    soup
 }
 
 /// A capsule along z.
@@ -113,7 +131,7 @@ mod tests {
         volume_is(&Solid::sphere(0.2).unwrap(), ball);
         volume_is(&Solid::capsule(0.3, 0.2).unwrap(), ball + PI * 0.04 * 0.6);
         volume_is(&Solid::cylinder(0.3, 0.2).unwrap(), PI * 0.04 * 0.6);
-        let half_extents = cranny_spatial::Vector::new(0.1, 0.2, 0.3);
+        let half_extents = Vector::new(0.1, 0.2, 0.3);
         volume_is(&Solid::cuboid(half_extents).unwrap(), 0.048);
         let corners = Surface::cuboid_soup(&half_extents);
         volume_is(&Solid::hull(&corners.vertices).unwrap(), 0.048);

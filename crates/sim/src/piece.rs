@@ -42,6 +42,12 @@ impl Piece {
             Outline::Segment { half_length_m, radius_m } => PieceShape::Capsule(half_length_m, radius_m),
             Outline::Cylinder { half_length_m, radius_m } => PieceShape::Cylinder(half_length_m, radius_m),
             Outline::HalfSpace => PieceShape::HalfSpace,
+            Outline::Union => {
+                let pieces = solid.pieces().into_iter();
+                let of_piece =
+                    |(pose, piece): (Pose, Solid)| Self::of_solid(of, &(body_from_solid * pose), &piece);
+                return Ok(pieces.map(of_piece).collect::<Result<Vec<_>, _>>()?.concat());
+            }
             Outline::Other => {
                 if let Some(hull) = coarse_hull(solid) {
                     let shape = PieceShape::Hull(hull);

@@ -3,6 +3,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
 use crate::lane::lane_ball::LaneBall;
+use crate::lane::lane_bits::first_lanes;
 use crate::lane::lane_solid::LaneSolid;
 use crate::lane::lane_vector::shorter;
 use crate::lane::single_frame::SingleFrame;
@@ -43,7 +44,9 @@ impl BallPack {
                 // Loops, not closures: a closure would lose the instruction set of the enclosing function.
                 for pack in packs {
                     let reaches = pack.radii(simd) + reach_m;
-                    if solid.within_reach(simd, pack.centers(simd, frame), reaches) != 0 {
+                    if solid.within_reach(simd, pack.centers(simd, frame), reaches, first_lanes(pack.count))
+                        != 0
+                    {
                         return true;
                     }
                 }

@@ -1,22 +1,25 @@
 use std::cmp::Ordering;
+use std::sync::Arc;
 
-use cranny_shape::{Outline, Solid};
+use cranny_shape::{BoxUnion, Outline, Solid};
 use cranny_spatial::nalgebra::Matrix3;
-use cranny_spatial::{LaneVector, Pose, Vector};
+use cranny_spatial::{LANES, LaneVector, Pose, Vector, simd_level};
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::{Simd, dispatch, f32x16};
 
 use crate::lane::lane_bits::bits;
 use crate::lane::lane_vector::{RELATIVE_ROUNDING, dot, is_shorter, lanes, minus, shorter};
 
 /// A solid with a short formula for its distance to a point, in the planning frame or a link's.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct LaneSolid {
     /// Rows of the rotation from that frame to the frame of the solid.
     rows: [[f32; 3]; 3],
     /// Origin of the solid in that frame, in metres.
     origin: [f32; 3],
     kind: LaneKind,
+    /// Boxes of a union.
+    union: Option<Arc<BoxUnion>>,
 }
 
 impl LaneSolid {
@@ -40,9 +43,10 @@ impl LaneSolid {
                 LaneKind::Cylinder { half_length: half_length_m as f32, radius: radius_m as f32 }
             }
             Outline::HalfSpace => LaneKind::HalfSpace,
+            Outline::Union => LaneKind::Union,
             Outline::Other => cuboid(&solid.aabb().half_extents),
         };
-        let origin = if solid.is_half_space() {
+        let origin = if solid.is_half_space() || solid.as_union().is_some() {
             frame_from_solid.translation.vector
         } else {
             (frame_from_solid * solid.aabb().center).coords
@@ -50,7 +54,7 @@ impl LaneSolid {
         let turned = std::array::from_fn(|row| lanes(&rotation.column(row).into_owned()));
         let is_aligned = matches!(kind, LaneKind::AlignedCuboid { .. });
         let rows = if is_aligned { STRAIGHT_ROWS } else { turned };
-        Self { rows, origin: lanes(&origin), kind }
+        Self { rows, origin: lanes(&origin), kind, union: solid.as_union().cloned() }
     }
 
     /// Transforms a solid of a link to the planning frame.
@@ -63,7 +67,8 @@ impl LaneSolid {
             LaneKind::AlignedCuboid { half_extents } => LaneKind::Cuboid { half_extents },
             kind => kind,
         };
-        Self { rows: self.rows.map(direction), origin: point(self.origin), kind }
+        let union = self.union.clone();
+        Self { rows: self.rows.map(direction), origin: point(self.origin), kind, union }
     }
 
     /// Returns the distance of two boxes that are both along the axes of the frame, in metres, negative for the penetration
@@ -104,10 +109,48 @@ impl LaneSolid {
         }))
     }
 
-    /// Returns the bits of the lanes in which a point is not certainly `reach` (m) or farther from the solid. Below the plane
-    /// of a half-space the distance is negative; inside other solids it is 0.
+    /// Returns those of `lanes`, as bits, in which a point is not certainly `reach` (m) or farther from the solid. Below the
+    /// plane of a half-space the distance is negative; inside other solids it is 0.
     #[inline(always)]
-    pub fn within_reach<S: Simd>(&self, simd: S, point: LaneVector<S>, reach: f32x16<S>) -> u32 {
+    pub fn within_reach<S: Simd>(&self, simd: S, point: LaneVector<S>, reach: f32x16<S>, lanes: u32) -> u32 {
+        if let Some(union) = &self.union {
+            return self.union_within_reach(simd, union, point, reach, lanes);
+        }
+        self.simple_within_reach(simd, point, reach) & lanes
+    }
+
+    /// Checks the boxes of a union lane by lane.
+    #[inline(always)]
+    fn union_within_reach<S: Simd>(
+        &self,
+        simd: S,
+        union: &BoxUnion,
+        point: LaneVector<S>,
+        reach: f32x16<S>,
+        lanes: u32,
+    ) -> u32 {
+        let offset = point.minus(LaneVector::splat(simd, self.origin));
+        let own = LaneVector {
+            x: offset.dot(self.rows[0]),
+            y: offset.dot(self.rows[1]),
+            z: offset.dot(self.rows[2]),
+        };
+        let (mut points, mut reaches) = ([[0.0; LANES]; 3], [0.0; LANES]);
+        own.store(&mut points);
+        reach.store_slice(&mut reaches);
+        let mut near = 0;
+        let mut rest = lanes;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let point = [points[0][lane], points[1][lane], points[2][lane]];
+            near |= u32::from(union.is_closer(simd, point, reaches[lane])) << lane;
+        }
+        near
+    }
+
+    #[inline(always)]
+    fn simple_within_reach<S: Simd>(&self, simd: S, point: LaneVector<S>, reach: f32x16<S>) -> u32 {
         let zero = f32x16::splat(simd, 0.0);
         let offset = point.minus(LaneVector::splat(simd, self.origin));
         match self.kind {
@@ -135,6 +178,7 @@ impl LaneSolid {
                 shorter(across * across + along * along, reach)
             }
             LaneKind::HalfSpace => bits(!offset.dot(self.rows[2]).simd_ge(reach)),
+            LaneKind::Union => u32::MAX,
         }
     }
 
@@ -172,6 +216,9 @@ impl LaneSolid {
                 let along = (z.abs() - half_length).max(0.0);
                 is_shorter(across * across + along * along, reach_m)
             }
+            LaneKind::Union => self.union.as_ref().is_none_or(
+                |union| dispatch!(simd_level(), simd => union.is_closer(simd, [x, y, z], reach_m)),
+            ),
             // NaN does not count as farther.
             LaneKind::HalfSpace => {
                 !matches!(z.partial_cmp(&reach_m), Some(Ordering::Greater | Ordering::Equal))
@@ -194,7 +241,12 @@ fn aligned(rotation: &Matrix3<f64>, half_extents: &Vector) -> Option<Vector> {
 
 /// Returns the contribution of the position and size of a part to the rounding of distances to it, in metres.
 pub(crate) fn rounding_m(world_from_solid: &Pose, solid: &Solid) -> f64 {
-    let size = if solid.is_half_space() { 0.0 } else { solid.ball().radius_m };
+    let size = match solid.as_union() {
+        _ if solid.is_half_space() => 0.0,
+        // Its boxes keep their coordinates, whatever the distance of its frame.
+        Some(_) => solid.ball().center.coords.norm() + solid.ball().radius_m,
+        None => solid.ball().radius_m,
+    };
     RELATIVE_ROUNDING * (world_from_solid.translation.vector.norm() + size)
 }
 
@@ -217,4 +269,5 @@ enum LaneKind {
         radius: f32,
     },
     HalfSpace,
+    Union,
 }

@@ -4,13 +4,14 @@
 use std::sync::Arc;
 
 use cranny_robot::{Robot, RobotOptions};
-use cranny_shape::Solid;
+use cranny_shape::{BoxUnion, Solid};
 use cranny_spatial::{LANES, Pose, Stream, Vector, simd_levels};
 use cranny_test_robots::ball;
 use fearless_simd::Level;
 use proptest::prelude::*;
 
 use crate::lane::lane_bits::{first_lanes, lanes_of};
+use crate::lane::lane_vector::narrow;
 use crate::lane::lanes::Interest;
 use crate::{Body, Cell, Margins, World};
 
@@ -41,6 +42,28 @@ fn robot(urdf: &str) -> Arc<Robot> {
     Arc::new(Robot::from_urdf_text(urdf, "test.urdf", None, &RobotOptions::default()).expect("a good URDF"))
 }
 
+/// Returns a cloud of points on an ellipsoid.
+fn cloud(draw: &mut impl FnMut(f64, f64) -> f64) -> Solid {
+    let size = [draw(0.1, 0.4), draw(0.1, 0.4), draw(0.1, 0.4)];
+    let points: Vec<[f32; 3]> = (0..2000)
+        .map(|_| {
+            let way = Vector::new(draw(-1.0, 1.0), draw(-1.0, 1.0), draw(-1.0, 1.0));
+            let way = way.try_normalize(0.0).unwrap_or_else(Vector::x);
+            [0, 1, 2].map(|axis| narrow(size[axis] * way[axis]))
+        })
+        .collect();
+    Solid::union(BoxUnion::of_points(&points, draw(0.001, 0.02)).expect("good points"))
+}
+
+/// Returns a union of random cells.
+fn cells(draw: &mut impl FnMut(f64, f64) -> f64) -> Solid {
+    let cell = |_| cranny_shape::Aabb {
+        center: cranny_spatial::Point::new(draw(-0.3, 0.3), draw(-0.3, 0.3), draw(-0.3, 0.3)),
+        half_extents: Vector::repeat(draw(0.002, 0.03)),
+    };
+    Solid::union(BoxUnion::of_boxes((0..500).map(cell)).expect("good boxes"))
+}
+
 /// Scatters a solid of every kind around the robot, in random orientations, above a floor.
 fn world(random: &mut Stream) -> World {
     let mut draw = |low: f64, high: f64| random.uniform_between(low, high);
@@ -54,6 +77,8 @@ fn world(random: &mut Stream) -> World {
         Solid::capsule(draw(0.02, 0.3), draw(0.02, 0.1)),
         Solid::cylinder(draw(0.02, 0.3), draw(0.02, 0.2)),
         Solid::hull(&corners),
+        Ok(cloud(&mut draw)),
+        Ok(cells(&mut draw)),
     ];
     let mut bodies = vec![Body::floor(-0.3)];
     for (index, solid) in solids.into_iter().enumerate() {

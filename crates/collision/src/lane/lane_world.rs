@@ -83,8 +83,8 @@ impl Lanes {
                             continue;
                         }
                         let reach = travel + (pair.free_m + ball.radius);
-                        let lanes =
-                            self.parts[pair.other as usize].solid.within_reach(simd, center, reach) & lanes;
+                        let part = &self.parts[pair.other as usize];
+                        let lanes = part.solid.within_reach(simd, center, reach, lanes);
                         if lanes == 0 {
                             continue;
                         }
@@ -189,7 +189,7 @@ impl Lanes {
             let pair = &pairs[index as usize];
             let reach = travel + (pair.free_m + root.radius);
             let part = &self.parts[pair.other as usize];
-            let lanes = part.solid.within_reach(simd, center, reach) & lanes & *open;
+            let lanes = part.solid.within_reach(simd, center, reach, lanes & *open);
             if lanes.count_ones() > FEW_LANES {
                 scratch.near[kept] = Near { index, lanes };
                 kept += 1;
@@ -246,6 +246,6 @@ impl Lanes {
         if !part.is_exact || lanes == 0 {
             return 0;
         }
-        part.solid.within_reach(simd, center, f32x16::splat(simd, pair.contact_m + radius)) & lanes
+        part.solid.within_reach(simd, center, f32x16::splat(simd, pair.contact_m + radius), lanes)
     }
 }

@@ -270,6 +270,7 @@ impl RecipeShape {
             Outline::Segment { half_length_m, radius_m } => Self::Capsule(radius_m, 2.0 * half_length_m),
             Outline::Cylinder { half_length_m, radius_m } => Self::Cylinder(radius_m, 2.0 * half_length_m),
             Outline::HalfSpace => return Err(ShapeError::Empty),
+            Outline::Union => return Err(ShapeError::NoMesh),
             Outline::Other => {
                 let is_convex = solid.support_point(&Vector::z()).is_some();
                 let (points, _) = solid.bounding_points().unwrap_or_default();

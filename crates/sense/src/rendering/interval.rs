@@ -42,7 +42,7 @@ pub(crate) fn first_meeting(outline: &Outline, origin: &Point, direction: &Vecto
             tube(origin, direction, radius_m).and(slab(origin.z, direction.z, half_length_m)).first()
         }
         Outline::HalfSpace => below(origin.z, direction.z).first(),
-        Outline::Other => None,
+        Outline::Union | Outline::Other => None,
     }
 }
 

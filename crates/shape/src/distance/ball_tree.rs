@@ -77,7 +77,9 @@ impl BallTree {
                 Core::Cylinder { .. } => around(&convex.bounding_points(), convex.radius_m),
                 _ => around(&coarse.corners, coarse.radius_m + coarse.bulge_m),
             },
-            Kind::Mesh(_) | Kind::HalfSpace => around(&coarse.corners, coarse.radius_m + coarse.bulge_m),
+            Kind::Mesh(_) | Kind::Union(_) | Kind::HalfSpace => {
+                around(&coarse.corners, coarse.radius_m + coarse.bulge_m)
+            }
         }
     }
 

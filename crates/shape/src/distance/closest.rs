@@ -1,3 +1,5 @@
+use std::borrow::Cow;
+
 use cranny_spatial::{Point, Pose, Vector};
 
 use crate::distance::convex::Convex;
@@ -32,7 +34,7 @@ pub fn closest_points(
             let a_from_b = common_from_a.inv_mul(common_from_b);
             let of_a = pieces_near(a, &b.aabb().transformed(&a_from_b).grown(reach_m));
             let of_b = pieces_near(b, &a.aabb().transformed(&a_from_b.inverse()).grown(reach_m));
-            let pairs = of_a.iter().flat_map(|one| of_b.iter().map(move |other| (*one, *other)));
+            let pairs = of_a.iter().flat_map(|one| of_b.iter().map(move |other| (one, other)));
             let [on_a, on_b] = pairs
                 .filter_map(|(one, other)| convex_points(one, other, &a_from_b))
                 .min_by(|m, n| (m[1] - m[0]).norm_squared().total_cmp(&(n[1] - n[0]).norm_squared()))?;
@@ -42,12 +44,14 @@ pub fn closest_points(
 }
 
 /// Convex pieces of a solid that meet a box in its frame.
-pub(crate) fn pieces_near<'a>(solid: &'a Solid, region: &Aabb) -> Vec<&'a Convex> {
+pub(crate) fn pieces_near<'a>(solid: &'a Solid, region: &Aabb) -> Vec<Cow<'a, Convex>> {
     match solid.kind() {
-        Kind::Convex(convex) => vec![convex],
+        Kind::Convex(convex) => vec![Cow::Borrowed(convex)],
         Kind::Mesh(mesh) => {
-            mesh.triangles_near(region).into_iter().map(|index| &mesh.triangles()[index as usize]).collect()
+            let triangle = |index: u32| Cow::Borrowed(&mesh.triangles()[index as usize]);
+            mesh.triangles_near(region).into_iter().map(triangle).collect()
         }
+        Kind::Union(union) => union.pieces_near(region).into_iter().map(Cow::Owned).collect(),
         Kind::HalfSpace => Vec::new(),
     }
 }

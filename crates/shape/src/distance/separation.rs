@@ -9,7 +9,7 @@ use crate::distance::convex::Convex;
 use crate::distance::gjk::{core_distance, core_reaches};
 use crate::mesh::Mesh;
 use crate::solid::Kind;
-use crate::{Aabb, Ball, Range, Solid, distance::parry};
+use crate::{Aabb, Ball, BoxUnion, Range, Solid, distance::parry};
 
 /// Bounds of the distance of two solids: `lower_m ≤ distance ≤ upper_m`.
 ///
@@ -78,6 +78,8 @@ pub fn separation_in(
         (Kind::HalfSpace, Kind::HalfSpace) => Separation::CONTACT,
         (Kind::HalfSpace, _) => above_plane(b, &common_from_a.inv_mul(common_from_b)),
         (_, Kind::HalfSpace) => above_plane(a, &common_from_b.inv_mul(common_from_a)),
+        (Kind::Union(union), _) => union_separation(union, b, &common_from_a.inv_mul(common_from_b), range),
+        (_, Kind::Union(union)) => union_separation(union, a, &common_from_b.inv_mul(common_from_a), range),
         (Kind::Convex(one), Kind::Convex(other)) => {
             convex_separation(one, other, &parry::pose(&common_from_a.inv_mul(common_from_b)), range)
         }
@@ -129,6 +131,10 @@ pub fn overlap(a: &Solid, common_from_a: &Pose, b: &Solid, common_from_b: &Pose)
         (Kind::HalfSpace, Kind::HalfSpace) => None,
         (Kind::HalfSpace, _) => below_plane(b, common_from_a, common_from_b),
         (_, Kind::HalfSpace) => below_plane(a, common_from_b, common_from_a).map(Overlap::exchanged),
+        (Kind::Union(union), _) => union_overlap(union, common_from_a, b, common_from_b),
+        (_, Kind::Union(union)) => {
+            union_overlap(union, common_from_b, a, common_from_a).map(Overlap::exchanged)
+        }
         (Kind::Convex(one), Kind::Convex(other)) => convex_overlap(one, common_from_a, other, common_from_b),
         (Kind::Mesh(mesh), Kind::Convex(convex)) => {
             mesh_overlap(mesh, common_from_a, &[convex.as_ref()], common_from_b)
@@ -232,6 +238,42 @@ fn mesh_mesh_separation(a: &Mesh, b: &Mesh, a_from_b: &Pose, beyond_m: f64) -> S
         }
     }
     best
+}
+
+/// Distance of a union from a solid that is no half-space.
+fn union_separation(union: &BoxUnion, other: &Solid, union_from_other: &Pose, range: Range) -> Separation {
+    let best = Cell::new(Separation { lower_m: range.beyond_m, upper_m: f64::INFINITY });
+    let Ball { center, radius_m } = other.ball();
+    let ball = Ball { center: union_from_other * center, radius_m: *radius_m };
+    let turn = union_from_other.rotation.to_rotation_matrix();
+    let gap_m = |aabb: &Aabb| aabb.gap_to_turned(other.aabb(), union_from_other, &turn);
+    let origin = Pose::identity();
+    union.nearest(&ball, gap_m, range.beyond_m, |aabb| {
+        let nearer = Range { beyond_m: range.reach_m(best.get().upper_m), ..range };
+        let piece = Solid::convex(union.piece(aabb));
+        best.set(best.get().least(separation_in(&piece, &origin, other, union_from_other, nearer)));
+        range.reach_m(best.get().upper_m)
+    });
+    // Boxes that were not visited are at least as far as the reach.
+    let Separation { lower_m, upper_m } = best.get();
+    if upper_m <= 0.0 {
+        return Separation::CONTACT;
+    }
+    Separation { lower_m: lower_m.min(range.reach_m(upper_m)), upper_m }
+}
+
+fn union_overlap(
+    union: &BoxUnion,
+    common_from_union: &Pose,
+    other: &Solid,
+    common_from_other: &Pose,
+) -> Option<Overlap> {
+    let region = other.aabb().transformed(&common_from_union.inv_mul(common_from_other));
+    let overlaps = union
+        .pieces_near(&region)
+        .into_iter()
+        .filter_map(|piece| overlap(&Solid::convex(piece), common_from_union, other, common_from_other));
+    overlaps.max_by(|a, b| a.depth_m.total_cmp(&b.depth_m))
 }
 
 fn convex_overlap(a: &Convex, common_from_a: &Pose, b: &Convex, common_from_b: &Pose) -> Option<Overlap> {

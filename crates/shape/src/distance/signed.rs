@@ -68,7 +68,7 @@ pub fn signed_distance(
             let a_from_b = common_from_a.inv_mul(common_from_b);
             let of_a = pieces_near(a, &b.aabb().transformed(&a_from_b).grown(reach_m));
             let of_b = pieces_near(b, &a.aabb().transformed(&a_from_b.inverse()).grown(reach_m));
-            let pairs = of_a.iter().flat_map(|one| of_b.iter().map(move |other| (*one, *other)));
+            let pairs = of_a.iter().flat_map(|one| of_b.iter().map(move |other| (one, other)));
             let found = pairs.filter_map(|(one, other)| match apart(one, other, &a_from_b, reach_m) {
                 Apart::By(distance) => Some(distance),
                 Apart::Beyond | Apart::Overlap => None,

@@ -78,6 +78,11 @@ impl Solid {
         match self.kind() {
             Kind::HalfSpace => Vec::new(),
             Kind::Convex(convex) => vec![over(&convex.bounding_points(), convex.radius_m)],
+            Kind::Union(union) => union
+                .pieces_near(self.aabb())
+                .iter()
+                .map(|piece| over(&piece.bounding_points(), piece.radius_m))
+                .collect(),
             Kind::Mesh(mesh) => mesh.pieces().iter().map(|piece| over(piece, 0.0)).collect(),
         }
     }

@@ -1,0 +1,302 @@
+use cranny_collision::{Body, Part};
+use cranny_shape::{Aabb, BoxUnion, Solid};
+use cranny_spatial::{Point, Pose, Rotation, Vector};
+use rayon::prelude::*;
+
+use crate::seen::cell_merge::boxes_of;
+use crate::seen::known_solids::{Explained, KnownBody, KnownSolids, Nearness};
+use crate::seen::sight::{Judgement, Sight};
+use crate::{SenseError, View};
+
+/// Settings of a map of seen space.
+#[derive(Clone, Debug)]
+pub struct SeenSettings {
+    /// Region of the planning frame that is mapped; all space outside of it counts as unseen.
+    pub region: Aabb,
+    /// Side of the smallest cells, in metres.
+    pub cell_m: f64,
+    /// Treatment of unseen space.
+    pub unseen: Unseen,
+}
+
+/// Treatment of space that no camera has seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unseen {
+    /// It is an obstacle.
+    Solid,
+    /// It is free: what others assume, for comparison.
+    Free,
+}
+
+/// Map of the space that cameras have seen: a cell is free only if one view shows that nothing is in it, within the bounds of its
+/// sensor. The free part is thus an under-estimate.
+#[derive(Clone, Debug)]
+pub struct SeenMap {
+    settings: SeenSettings,
+    /// Cells in which a surface may have been measured.
+    occupied: Vec<Aabb>,
+    /// Cells that no camera has seen into.
+    unseen: Vec<Aabb>,
+    detail_m: f64,
+}
+
+/// Cells of one kind in a cube: all, none, or some, which are then listed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Free,
+    Occupied,
+    Unseen,
+    Mixed,
+}
+
+/// Halvings of the cubes with which the search begins: 16 cells along each side.
+const HALVINGS: u32 = 4;
+
+/// Maximum number of cubes with which the search begins: 10 m × 10 m × 10 m of cells of 1 cm.
+const MOST_CUBES: f64 = 262_144.0;
+
+impl SeenMap {
+    /// Maps a region as these views show it.
+    ///
+    /// # Errors
+    /// [`SenseError::NoViews`] without views, [`SenseError::Map`] for a region or cell out of range, [`SenseError::NoSurface`] for a
+    /// known body that cannot be rendered.
+    pub fn new(views: &[View], known: &[KnownBody], settings: SeenSettings) -> Result<Self, SenseError> {
+        if views.is_empty() {
+            return Err(SenseError::NoViews);
+        }
+        let SeenSettings { region, cell_m, .. } = &settings;
+        let fault = |problem: String| SenseError::Map { problem };
+        if !(1e-3..=0.2).contains(cell_m) {
+            return Err(fault(format!("its cells must be 0.001 to 0.2 m wide, but are {cell_m} m")));
+        }
+        let is_region = region.center.iter().all(|x| x.abs() <= 100.0)
+            && region.half_extents.iter().all(|x| *x > 0.0 && *x <= 100.0);
+        if !is_region {
+            return Err(fault("its region must be a box of positive size within 100 m".to_owned()));
+        }
+        let cube_m = cell_m * f64::from(1_u32 << HALVINGS);
+        let counts = region.half_extents.map(|half| (2.0 * half / cube_m).ceil().max(1.0));
+        if counts.product() > MOST_CUBES {
+            return Err(fault(format!(
+                "its region holds more than {MOST_CUBES} cubes of {cube_m} m (take larger cells or a smaller region)"
+            )));
+        }
+        let half_m = 0.5 * cell_m;
+        let sight = |view: &View| Ok(Sight::new(view, &Explained::of(view, known)?, half_m));
+        let sights: Vec<Sight> = views.par_iter().map(sight).collect::<Result<_, SenseError>>()?;
+        let survey = Survey { sights, known: KnownSolids::new(known), half_m };
+        let low = region.low();
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small whole numbers")]
+        let [x, y, z] = [0, 1, 2].map(|axis| counts[axis] as usize);
+        let (views, solids) = ((0..survey.sights.len()).collect::<Vec<_>>(), survey.known.all());
+        let cubes = (0..x * y * z).into_par_iter().map(|index| {
+            let place = Vector::new((index / (y * z)) as f64, (index / z % y) as f64, (index % z) as f64);
+            let center = low + (place + Vector::repeat(0.5)) * cube_m;
+            let mut cells = Cells::default();
+            let half_m = 0.5 * cube_m;
+            let kind = survey.visit(&center, half_m, &views, Some(&solids), &mut cells);
+            cells.add(kind, Aabb { center, half_extents: Vector::repeat(half_m) });
+            cells
+        });
+        let cubes: Vec<Cells> = cubes.collect();
+        let collected = |of: fn(&Cells) -> &Vec<Aabb>| cubes.iter().flat_map(of).copied().collect();
+        let farthest_m = (0..8_u8).map(|corner| {
+            let sign = |bit: u8| if corner & bit == 0 { -1.0 } else { 1.0 };
+            region.center + region.half_extents.component_mul(&Vector::new(sign(1), sign(2), sign(4)))
+        });
+        let detail_m = survey
+            .sights
+            .iter()
+            .map(|sight| {
+                let depth_m = farthest_m.clone().map(|corner| sight.depth_m(&corner)).fold(0.0, f64::max);
+                sight.detail_m(depth_m)
+            })
+            .fold(0.0, f64::max);
+        // The cubes may reach beyond the region.
+        let mapped = Vector::new(x as f64, y as f64, z as f64) * cube_m;
+        let region = Aabb { center: low + mapped * 0.5, half_extents: mapped * 0.5 };
+        Ok(Self {
+            settings: SeenSettings { region, ..settings },
+            occupied: collected(|cells| &cells.occupied),
+            unseen: collected(|cells| &cells.unseen),
+            detail_m,
+        })
+    }
+
+    /// Returns the settings, with the region that is mapped: a whole number of cubes.
+    pub fn settings(&self) -> &SeenSettings {
+        &self.settings
+    }
+
+    /// Returns the boxes of cells in which a surface may have been measured.
+    pub fn occupied(&self) -> &[Aabb] {
+        &self.occupied
+    }
+
+    /// Returns the boxes of cells within the region that no camera has seen into.
+    pub fn unseen(&self) -> &[Aabb] {
+        &self.unseen
+    }
+
+    /// Returns the greatest diameter of details that can be missed within the region, in metres.
+    pub fn detail_m(&self) -> f64 {
+        self.detail_m
+    }
+
+    /// Returns the volume that is seen to be free, in cubic metres.
+    pub fn free_m3(&self) -> f64 {
+        let volume = |aabb: &Aabb| 8.0 * aabb.half_extents.product();
+        let taken: f64 = self.occupied.iter().chain(&self.unseen).map(volume).sum();
+        volume(&self.settings.region) - taken
+    }
+
+    /// Returns the obstacles that the map stands for: the body `occupied` and, if unseen space is solid, the body `unseen`, with all
+    /// space outside the region.
+    ///
+    /// # Errors
+    /// [`SenseError::Shape`] for a region too far away.
+    pub fn bodies(&self) -> Result<Vec<Body>, SenseError> {
+        let union = |cells: &[Aabb]| -> Result<Option<Part>, SenseError> {
+            if cells.is_empty() {
+                return Ok(None);
+            }
+            // Coordinates from the middle of the region keep single precision exact to less than a micrometre.
+            let middle = self.settings.region.center.coords;
+            let moved = cells.iter().map(|cell| Aabb { center: cell.center - middle, ..*cell });
+            let solid = Solid::union(BoxUnion::of_boxes(moved)?);
+            Ok(Some(Part { world_from_solid: Pose::from_parts(middle.into(), Rotation::identity()), solid }))
+        };
+        let mut bodies = Vec::new();
+        let mut add = |name: &str, parts: Vec<Part>| {
+            if !parts.is_empty() {
+                bodies.push(Body { name: name.to_owned(), parts, tilt_rad: None });
+            }
+        };
+        add("occupied", union(&self.occupied)?.into_iter().collect());
+        if self.settings.unseen == Unseen::Solid {
+            let mut parts: Vec<Part> = union(&self.unseen)?.into_iter().collect();
+            parts.extend(self.outside()?);
+            add("unseen", parts);
+        }
+        Ok(bodies)
+    }
+
+    /// Returns walls around the region, thick enough for any motion.
+    fn outside(&self) -> Result<Vec<Part>, SenseError> {
+        /// Thickness of the walls, in metres.
+        const WALL_M: f64 = 50.0;
+        let Aabb { center, half_extents } = self.settings.region;
+        let mut walls = Vec::new();
+        for axis in 0..3 {
+            for side in [-1.0, 1.0] {
+                let mut half = half_extents + Vector::repeat(2.0 * WALL_M);
+                half[axis] = WALL_M;
+                let mut middle = center.coords;
+                middle[axis] += side * (half_extents[axis] + WALL_M);
+                let solid = Solid::cuboid(half)?;
+                walls.push(Part {
+                    world_from_solid: Pose::from_parts(middle.into(), Rotation::identity()),
+                    solid,
+                });
+            }
+        }
+        Ok(walls)
+    }
+}
+
+/// Boxes of the two kinds that obstruct.
+#[derive(Clone, Debug, Default)]
+struct Cells {
+    occupied: Vec<Aabb>,
+    unseen: Vec<Aabb>,
+}
+
+impl Cells {
+    fn add(&mut self, kind: Kind, aabb: Aabb) {
+        match kind {
+            Kind::Occupied => self.occupied.push(aabb),
+            Kind::Unseen => self.unseen.push(aabb),
+            Kind::Free | Kind::Mixed => {}
+        }
+    }
+}
+
+/// All that cells are judged by.
+struct Survey {
+    sights: Vec<Sight>,
+    known: KnownSolids,
+    /// Half side of the smallest cells, in metres.
+    half_m: f64,
+}
+
+impl Survey {
+    /// Returns the kind of a cube. The boxes of a mixed one are added to `cells`, those of any other are left to the caller. Smaller
+    /// cubes are judged by the views in which they may be free alone. `near` are known solids that may be near; `None` within reach
+    /// of one.
+    fn visit(
+        &self,
+        center: &Point,
+        half_m: f64,
+        views: &[usize],
+        near: Option<&[usize]>,
+        cells: &mut Cells,
+    ) -> Kind {
+        let mut open = Vec::with_capacity(views.len());
+        for &view in views {
+            match self.sights[view].judge(center, half_m) {
+                Judgement::Free => return Kind::Free,
+                Judgement::Hidden => {}
+                Judgement::Open => open.push(view),
+            }
+        }
+        let is_least = half_m < 1.5 * self.half_m;
+        let nearness = near.map(|near| self.known.nearness(center, half_m, near));
+        let near = match &nearness {
+            None | Some(Nearness::Within) => None,
+            Some(Nearness::Beyond) => Some(&[][..]),
+            Some(Nearness::Partly(near)) => Some(&near[..]),
+        };
+        let is_exempt = near.is_none_or(|near| is_least && self.known.reaches(center, half_m, near));
+        let shows =
+            |but_known: bool| self.sights.iter().any(|sight| sight.shows_surface(center, half_m, but_known));
+        if is_least {
+            return match (is_exempt, shows(is_exempt)) {
+                (_, true) => Kind::Occupied,
+                (true, false) => Kind::Free,
+                (false, false) => Kind::Unseen,
+            };
+        }
+        if is_exempt && !shows(true) {
+            return Kind::Free;
+        }
+        if open.is_empty() && near.is_some_and(<[usize]>::is_empty) {
+            return Kind::Unseen;
+        }
+        let mut kinds = [Kind::Free; 8];
+        let half = 0.5 * half_m;
+        let child = |index: usize| {
+            let sign = |bit: usize| if index & bit == 0 { -half } else { half };
+            center + Vector::new(sign(1), sign(2), sign(4))
+        };
+        for (index, kind) in kinds.iter_mut().enumerate() {
+            *kind = self.visit(&child(index), half, &open, near, cells);
+        }
+        if kinds.iter().all(|kind| *kind == kinds[0]) && kinds[0] != Kind::Mixed {
+            return kinds[0];
+        }
+        for wanted in [Kind::Occupied, Kind::Unseen] {
+            let bits = (0..8).fold(0, |bits, index| bits | u8::from(kinds[index] == wanted) << index);
+            for [first, size] in boxes_of(bits) {
+                let of = |axis: usize| {
+                    let (first, size) = (f64::from(first[axis]), f64::from(size[axis]));
+                    (half_m * (first + 0.5 * size - 1.0), 0.5 * half_m * size)
+                };
+                let [x, y, z] = [of(0), of(1), of(2)];
+                let center = center + Vector::new(x.0, y.0, z.0);
+                cells.add(wanted, Aabb { center, half_extents: Vector::new(x.1, y.1, z.1) });
+            }
+        }
+        Kind::Mixed
+    }
+}

@@ -1,0 +1,76 @@
+use cranny_spatial::{LANES, LaneArray, LaneVector};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+
+use crate::Aabb;
+
+/// Sixteen boxes along the axes of one frame, side by side for vector instructions.
+#[derive(Clone, Debug)]
+pub(crate) struct BoxChunk {
+    center: [LaneArray; 3],
+    half_extents: [LaneArray; 3],
+}
+
+/// A box in single precision: centre and half extents, in metres.
+pub(crate) type NarrowBox = [[f32; 3]; 2];
+
+/// Coordinate of the centre of an empty place, in metres: its distance to any point is infinite.
+const NOWHERE: f32 = 1e30;
+
+impl BoxChunk {
+    /// Creates a chunk of at most [`LANES`] boxes.
+    pub fn of(boxes: impl Iterator<Item = NarrowBox>) -> Self {
+        let mut chunk = Self { center: [[NOWHERE; LANES]; 3], half_extents: [[0.0; LANES]; 3] };
+        for (lane, [center, half_extents]) in boxes.take(LANES).enumerate() {
+            for axis in 0..3 {
+                chunk.center[axis][lane] = center[axis];
+                chunk.half_extents[axis][lane] = half_extents[axis];
+            }
+        }
+        chunk
+    }
+
+    /// Returns the bits of the boxes whose squared distance from a point is less than `bound` (m²), or NaN.
+    #[inline(always)]
+    pub fn within<S: Simd>(&self, simd: S, point: LaneVector<S>, bound: f32x16<S>) -> u32 {
+        let zero = f32x16::splat(simd, 0.0);
+        let beyond = point
+            .minus(LaneVector::load(simd, &self.center))
+            .abs()
+            .minus(LaneVector::load(simd, &self.half_extents));
+        let (x, y, z) = (beyond.x.max(zero), beyond.y.max(zero), beyond.z.max(zero));
+        #[allow(clippy::cast_possible_truncation, reason = "sixteen lanes, sixteen bits")]
+        let bits = (!(x * x + y * y + z * z).simd_ge(bound)).to_bitmask() as u32;
+        bits
+    }
+
+    /// Returns the box in a lane.
+    pub fn get(&self, lane: usize) -> Aabb {
+        let wide = |rows: &[LaneArray; 3]| rows.each_ref().map(|row| f64::from(row[lane]));
+        Aabb { center: wide(&self.center).into(), half_extents: wide(&self.half_extents).into() }
+    }
+
+    /// Returns the smallest box in single precision around the first `count` boxes.
+    pub fn around(&self, count: usize) -> NarrowBox {
+        let mut around: NarrowBox = [[0.0; 3]; 2];
+        for axis in 0..3 {
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for lane in 0..count {
+                let (center, half) =
+                    (f64::from(self.center[axis][lane]), f64::from(self.half_extents[axis][lane]));
+                (low, high) = (low.min(center - half), high.max(center + half));
+            }
+            [around[0][axis], around[1][axis]] = enclosing(low, high);
+        }
+        around
+    }
+}
+
+/// Returns centre and half extent, in single precision, of an interval that contains that from `low` to `high`.
+#[allow(clippy::cast_possible_truncation, reason = "rounded outwards")]
+pub(crate) fn enclosing(low: f64, high: f64) -> [f32; 2] {
+    let center = (0.5 * (low + high)) as f32;
+    let half = (f64::from(center) - low).max(high - f64::from(center));
+    let narrow = half as f32;
+    [center, if f64::from(narrow) < half { narrow.next_up() } else { narrow }]
+}
