@@ -16,6 +16,7 @@ use crate::planning::serve::ServeArguments;
 use crate::program::completions::CompletionsArguments;
 use crate::program::manual::ManualArguments;
 use crate::program::version;
+use crate::sensing::sense::SenseArguments;
 
 /// Plans how a mobile manipulator reaches into a confined space and grasps an object.
 ///
@@ -77,6 +78,8 @@ pub enum Command {
     Bench(BenchArguments),
     /// Render a scenario or a plan: a picture, an animation, animated glTF, a page in one file
     Render(Box<RenderArguments>),
+    /// Render what depth cameras see in a scenario, with errors within the bounds of their model
+    Sense(SenseArguments),
     /// View a scenario and plans in the browser
     View(ViewArguments),
     /// Show which components are present or missing, and test plans and proofs

@@ -30,6 +30,9 @@ pub enum Failure {
     /// Error in rendering, or in the file of a picture.
     #[error(transparent)]
     View(#[from] cranny_view::ViewError),
+    /// Invalid camera, depth image or point cloud.
+    #[error(transparent)]
+    Sense(#[from] cranny_sense::SenseError),
     /// Server that cannot start.
     #[error(transparent)]
     Server(#[from] cranny_local_server::ServerError),

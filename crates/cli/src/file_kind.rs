@@ -51,6 +51,10 @@ pub enum FileKind {
     Manual,
     /// Output of `cranny certify`.
     Certificate,
+    /// File that lists the views of a folder.
+    Views,
+    /// Array of `NumPy`.
+    Npy,
     /// Partial result of a computation that was stopped.
     Unfinished,
 }
@@ -86,11 +90,14 @@ impl FileKind {
             Self::Mjcf => "MJCF model",
             Self::Manual => "manual page of Cranny",
             Self::Certificate => "certificate",
+            Self::Views => "file of views",
+            Self::Npy => "NumPy array",
             Self::Unfinished => "finished part of a stopped command",
         }
     }
 
-    /// Returns true if a file that begins with `head` is of this kind. PNG, GIF, MP4, SVG, PDF and glTF match files of any program,
+    /// Returns true if a file that begins with `head` is of this kind. PNG, GIF, MP4, SVG, PDF, glTF and arrays of `NumPy` match files of any
+    /// program,
     /// the other kinds only files of Cranny.
     pub fn is_that_of(self, head: &[u8]) -> bool {
         let text = String::from_utf8_lossy(head);
@@ -125,6 +132,8 @@ impl FileKind {
             Self::Experiment => is_object_with(&["object", "mjcf"]),
             Self::Mjcf => text.starts_with("<mujoco"),
             Self::Certificate => text.starts_with("cranny-certificate/"),
+            Self::Views => text.starts_with("format: cranny-views/"),
+            Self::Npy => head.starts_with(b"\x93NUMPY"),
             Self::Manual => text.starts_with('.') && text.contains(".TH cranny"),
             Self::Unfinished => is_object_with(&["format"]) && text.contains("\"cranny-unfinished/"),
             // `OMPL version 1.7`, or that of another library, then the experiment.

@@ -375,6 +375,9 @@ pub enum ScenarioError {
     /// The problem is invalid.
     #[error(transparent)]
     Task(#[from] cranny_task::TaskError),
+    /// A camera or a depth image is invalid.
+    #[error(transparent)]
+    Sense(#[from] cranny_sense::SenseError),
     /// A `MoveIt` scene, a request, or the robot that they name is invalid.
     #[error(transparent)]
     MoveIt(#[from] MoveItError),

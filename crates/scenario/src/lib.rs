@@ -15,6 +15,7 @@ mod obstacle;
 mod robot;
 mod scenario;
 mod schema;
+mod sensing;
 mod stated_speed;
 
 pub use catalogue::{BuiltInTask, CatalogueEntry, built_in, catalogue, insertions, sequences};

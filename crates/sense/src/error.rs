@@ -1,4 +1,7 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use cranny_file::TextFault;
+use cranny_robot::Location;
 
 /// Errors of cameras, depth images, point clouds and their files. Each message names the file, if there is one.
 #[derive(Debug, thiserror::Error)]
@@ -79,6 +82,18 @@ pub enum SenseError {
         /// Actual number.
         actual: usize,
     },
+    /// A camera is on a link that the robot does not have.
+    #[error("camera '{camera}': the robot has no link '{link}' (it has: {known}){meant}")]
+    UnknownLink {
+        /// Name of the camera.
+        camera: String,
+        /// The unknown link.
+        link: String,
+        /// Names of the links.
+        known: String,
+        /// Similar names.
+        meant: String,
+    },
     /// No camera position around the target is free.
     #[error("no position around the target is free for a camera: give cameras in a file (--cameras FILE)")]
     NoCameraPosition,
@@ -100,6 +115,44 @@ pub enum SenseError {
         /// Error of the operating system.
         reason: std::io::Error,
     },
+    /// A YAML file is malformed or has invalid content.
+    #[error("{at}: {reason}")]
+    Yaml {
+        /// Location in the file.
+        at: Location,
+        /// Reason of the failure.
+        reason: TextFault,
+    },
+    /// An entry of a file is invalid.
+    #[error("{at}: {problem}")]
+    Entry {
+        /// Location in the file.
+        at: Location,
+        /// Description of the fault and of valid content.
+        problem: String,
+    },
+    /// A file has invalid content.
+    #[error("{}: {problem}", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// Description of the fault and of valid content.
+        problem: String,
+    },
+    /// An image cannot be encoded.
+    #[error("{name}: cannot be encoded: {reason}")]
+    Encoding {
+        /// Name of the file.
+        name: String,
+        /// Message of the encoder.
+        reason: String,
+    },
+}
+
+impl SenseError {
+    pub(crate) fn content(path: &Path, problem: impl Into<String>) -> Self {
+        Self::Content { path: path.to_owned(), problem: problem.into() }
+    }
 }
 
 /// Returns the value if it lies within a closed range; `fault` gets any other value, NaN included.

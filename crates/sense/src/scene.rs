@@ -2,6 +2,7 @@ use cranny_collision::{Cell, Part, World};
 use cranny_robot::Robot;
 use cranny_shape::Solid;
 use cranny_spatial::Pose;
+use serde::{Deserialize, Serialize};
 
 use crate::SenseError;
 use crate::rendering::surface::Surface;
@@ -15,7 +16,8 @@ pub struct SensedScene {
 }
 
 /// Body that segment images number.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct Segment {
     /// Name of the body or the robot.
     pub name: String,
@@ -24,7 +26,8 @@ pub struct Segment {
 }
 
 /// Kinds of segments.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum SegmentKind {
     /// A body of the world.
     Body,

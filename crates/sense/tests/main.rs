@@ -3,3 +3,4 @@
 mod measuring;
 mod rendering;
 mod seen;
+mod view_files;

@@ -1,0 +1,3 @@
+//! Commands of depth cameras.
+
+pub mod sense;
