@@ -79,6 +79,16 @@ impl KnownSolids {
         if near.is_empty() { Nearness::Beyond } else { Nearness::Partly(near) }
     }
 
+    /// Returns true if a point lies within a distance (m) of one of these solids.
+    pub fn is_within(&self, point: &Point, margin_m: f64, among: &[usize]) -> bool {
+        among.iter().any(|&index| {
+            let KnownSolid { pose, solid, .. } = &self.solids[index];
+            let ball = solid.ball();
+            let is_far = (pose * ball.center - point).norm() - ball.radius_m > margin_m;
+            !is_far && distance_m(point, solid, pose, margin_m) <= margin_m
+        })
+    }
+
     /// Returns true if a cube comes within reach of one of these solids.
     pub fn reaches(&self, center: &Point, half_m: f64, among: &[usize]) -> bool {
         let cube = Solid::cuboid(cranny_spatial::Vector::repeat(half_m));
@@ -138,12 +148,16 @@ impl Explained {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 16")]
         let around = lateral_error_px.ceil() as usize;
         let mut pixels = vec![PixelOf::Other; width * height];
+        let known = KnownSolids::new(bodies);
+        let all = known.all();
         for v in 0..height {
             for u in 0..width {
                 let Some(measured_m) = view.depth.depth_m(u, v).map(f64::from) else { continue };
                 let columns = u.saturating_sub(around)..=(u + around).min(width - 1);
                 let rows = v.saturating_sub(around)..=(v + around).min(height - 1);
-                let (mut near_m, mut far_m, mut is_whole) = (f64::INFINITY, 0.0_f64, true);
+                let is_border =
+                    columns.end() - columns.start() < 2 * around || rows.end() - rows.start() < 2 * around;
+                let (mut near_m, mut far_m, mut is_whole) = (f64::INFINITY, 0.0_f64, !is_border);
                 for place in rows.flat_map(|row| columns.clone().map(move |column| row * width + column)) {
                     let segment = usize::from(render.segments[place]);
                     let Some(body) = bodies.get(segment.wrapping_sub(1)) else {
@@ -161,6 +175,16 @@ impl Explained {
                 pixels[v * width + u] = match (is_whole, fits, is_behind) {
                     (true, true, _) => PixelOf::Known(near_m),
                     (false, _, true) => PixelOf::Edge,
+                    // Features of a body may be narrower than a pixel, or beyond the border of the image.
+                    (false, _, false) if near_m.is_finite() || is_border => {
+                        let camera = &view.camera;
+                        let lateral_m = 2.0 * (0.5 + lateral_error_px) * measured_m
+                            / camera.focal_x_px.min(camera.focal_y_px);
+                        let margin_m = lateral_m + view.sensor.depth_bound_m(measured_m);
+                        let point = camera.ray(u as f64, v as f64) * measured_m;
+                        let point = camera.world_from_camera * Point::from(point);
+                        if known.is_within(&point, margin_m, &all) { PixelOf::Edge } else { PixelOf::Other }
+                    }
                     _ => PixelOf::Other,
                 };
             }
