@@ -53,6 +53,12 @@ impl Default for SeenOptions {
 /// Error of the pose of the robot's links at the start, in metres.
 const ROBOT_TOLERANCE_M: f64 = 0.005;
 
+/// Name of the target as a known body.
+const TARGET: &str = "target";
+
+/// Space around the target in which cells are half as wide, for the hand, in metres.
+const FINE_M: f64 = 0.08;
+
 /// Space around robot and target that is mapped by default, in metres.
 const AROUND_M: f64 = 0.5;
 
@@ -85,6 +91,7 @@ impl Scenario {
             solids,
             tolerance_m,
             reach_m,
+            is_transparent: name == TARGET,
         };
         let mut bodies = vec![known("robot", links.collect(), ROBOT_TOLERANCE_M, options.robot_reach_m)];
         let solids_of = |body: usize| -> Vec<(Pose, Solid)> {
@@ -93,7 +100,7 @@ impl Scenario {
         };
         if let Some(target) = self.target {
             let tolerance_m = options.target_tolerance_m;
-            bodies.push(known("target", solids_of(target), tolerance_m, tolerance_m));
+            bodies.push(known(TARGET, solids_of(target), tolerance_m, tolerance_m));
         }
         let is_floor =
             |body: usize| self.world.bodies()[body].parts.iter().all(|part| part.solid.is_half_space());
@@ -101,7 +108,9 @@ impl Scenario {
             bodies.push(known("floor", solids_of(floor), 0.0, options.floor_reach_m));
         }
         let region = options.region.unwrap_or_else(|| self.region_of_interest(&bodies));
-        let settings = SeenSettings { region, cell_m: options.cell_m, unseen: options.unseen };
+        let fine = bodies.iter().filter(|body| body.is_transparent).flat_map(|body| &body.solids);
+        let fine = fine.map(|(pose, solid)| solid.aabb().transformed(pose).grown(FINE_M)).collect();
+        let settings = SeenSettings { region, fine, cell_m: options.cell_m, unseen: options.unseen };
         let map = SeenMap::new(views, &bodies, settings)?;
         let mut seen = self.clone();
         for body in map.bodies()? {

@@ -33,7 +33,7 @@ impl DefaultCameras {
 /// Candidates: turns about the vertical through the target, rises above the horizontal (degrees), distances (m).
 const TURNS: u32 = 16;
 const RISES_DEG: [f64; 4] = [8.0, 22.0, 40.0, 65.0];
-const DISTANCES_M: [f64; 3] = [0.7, 1.0, 1.4];
+const DISTANCES_M: [f64; 4] = [0.45, 0.7, 1.0, 1.4];
 
 /// Width and height of the image by which a candidate is judged, in pixels.
 const TRIAL_PX: [usize; 2] = [64, 48];
@@ -49,6 +49,9 @@ const LEAST_ROOM_M: f64 = 0.1;
 const POINTS: usize = 600;
 const RADIUS_M: f64 = 0.35;
 
+/// Depth from which a point is seen sharply enough for a hand beside it, in metres.
+const SHARP_M: f64 = 0.4;
+
 /// Weight of the visible share of the target for the first camera, relative to that of all points; for further cameras it is
 /// divided by their number.
 const TARGET_WEIGHT: f64 = 1.0;
@@ -56,7 +59,8 @@ const TARGET_WEIGHT: f64 = 1.0;
 /// Candidate with the points that it sees.
 struct Candidate {
     camera: Camera,
-    sees: Vec<bool>,
+    /// Sharpness with which it sees each point: 0 if it does not, 1 from [`SHARP_M`] or nearer, and less from afar.
+    sees: Vec<f64>,
     /// Share of the target that other bodies do not hide, 0 to 1.
     target_share: f64,
 }
@@ -64,7 +68,7 @@ struct Candidate {
 /// Returns cameras around a target that look at it from free positions.
 ///
 /// Candidates stand on rings around the target. The cameras are chosen one after another, each by the share of the target that it
-/// sees, and by the share of points around the target and between the tool and the target that no camera before it sees.
+/// sees, and by how much more sharply than all cameras before it it sees points around the target and between it and the tool.
 ///
 /// # Errors
 /// [`SenseError::NoCameraPosition`] if there are fewer free candidates than cameras; [`SenseError::Camera`] for an invalid size or
@@ -94,13 +98,13 @@ pub fn default_cameras(scene: &SensedScene, request: &DefaultCameras) -> Result<
         let camera = Camera::with_field_of_view(request.size_px, request.field_of_view_rad, pose)?;
         candidates.push(Candidate { camera, sees, target_share });
     }
-    let (mut chosen, mut is_seen) = (Vec::new(), vec![false; points.len()]);
+    let (mut chosen, mut is_seen) = (Vec::new(), vec![0.0_f64; points.len()]);
     for number in 1..=request.count {
         let target_weight = TARGET_WEIGHT / number as f64;
         let value = |candidate: &Candidate| {
-            let new =
-                candidate.sees.iter().zip(&is_seen).filter(|(sees, is_seen)| **sees && !**is_seen).count();
-            new as f64 / points.len() as f64 + target_weight * candidate.target_share
+            let gains = candidate.sees.iter().zip(&is_seen).map(|(sees, seen)| (sees - seen).max(0.0));
+            let new: f64 = gains.sum();
+            new / points.len() as f64 + target_weight * candidate.target_share
         };
         // The first of equal candidates.
         let best = (0..candidates.len())
@@ -108,7 +112,7 @@ pub fn default_cameras(scene: &SensedScene, request: &DefaultCameras) -> Result<
             .max_by(|a, b| value(&candidates[*a]).total_cmp(&value(&candidates[*b])));
         let Candidate { camera, sees, .. } = candidates.remove(best.ok_or(SenseError::NoCameraPosition)?);
         for (is_seen, sees) in is_seen.iter_mut().zip(sees) {
-            *is_seen |= sees;
+            *is_seen = is_seen.max(sees);
         }
         chosen.push(camera);
     }
@@ -157,16 +161,17 @@ fn points_of_interest(request: &DefaultCameras) -> Vec<Point> {
         .collect()
 }
 
-fn sees(camera: &Camera, seen: &crate::Render, point_in_camera: &Point) -> bool {
-    let Some([u, v]) = camera.project(point_in_camera) else { return false };
+fn sees(camera: &Camera, seen: &crate::Render, point_in_camera: &Point) -> f64 {
+    let Some([u, v]) = camera.project(point_in_camera) else { return 0.0 };
     let (u, v) = (u.round(), v.round());
     let is_inside = u >= 0.0 && v >= 0.0 && u < camera.width_px as f64 && v < camera.height_px as f64;
     if !is_inside {
-        return false;
+        return 0.0;
     }
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a pixel of the image")]
     let depth_m = seen.depth.depth_m(u as usize, v as usize);
-    depth_m.is_some_and(|depth_m| f64::from(depth_m) > point_in_camera.z)
+    let is_seen = depth_m.is_some_and(|depth_m| f64::from(depth_m) > point_in_camera.z);
+    if is_seen { (SHARP_M / point_in_camera.z).min(1.0) } else { 0.0 }
 }
 
 /// Camera at the same position whose image the target fills.

@@ -78,7 +78,7 @@ fn wrongly_free(map: &SeenMap, bodies: &[Body], count: usize) -> usize {
 }
 
 fn settings() -> SeenSettings {
-    SeenSettings { region: region(), cell_m: 0.01, unseen: Unseen::Solid }
+    SeenSettings { region: region(), cell_m: 0.01, fine: Vec::new(), unseen: Unseen::Solid }
 }
 
 /// Views whose depths are all too great by `factor` times the bound of the sensor: the worst within its model for 1.
@@ -134,6 +134,7 @@ fn known_bodies_are_cut_out_and_nothing_else() {
         solids: bodies[index].parts.iter().map(|part| (part.world_from_solid, part.solid.clone())).collect(),
         tolerance_m: 0.002,
         reach_m: 0.002,
+        is_transparent: true,
     };
     let ball = known(4);
     let whole = SeenMap::new(&views, &[], settings()).unwrap();

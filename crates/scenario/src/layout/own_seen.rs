@@ -130,7 +130,7 @@ impl SeenOptions {
 
 impl Scenario {
     /// Returns the scenario without its obstacles, and without what refers to them: tasks, places, physics and colours.
-    fn with_known_bodies_only(&self) -> Result<Self, ScenarioError> {
+    pub fn with_known_bodies_only(&self) -> Result<Self, ScenarioError> {
         let is_floor =
             |body: usize| self.world.bodies()[body].parts.iter().all(|part| part.solid.is_half_space());
         let is_known = |body: &usize| self.target == Some(*body) || is_floor(*body);

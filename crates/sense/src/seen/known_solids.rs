@@ -1,7 +1,9 @@
-use cranny_shape::{Range, Solid, separation_in};
+use std::collections::HashMap;
+
+use cranny_shape::{Range, Solid, Surface, separation_in};
 use cranny_spatial::{Point, Pose, Rotation};
 
-use crate::{Segment, SegmentKind, SenseError, SensedScene, SensorModel, View};
+use crate::{Render, Segment, SegmentKind, SenseError, SensedScene, SensorModel, View};
 
 /// A body whose place is known: the robot where it stands, or the object to be grasped.
 #[derive(Clone, Debug)]
@@ -14,6 +16,8 @@ pub struct KnownBody {
     pub tolerance_m: f64,
     /// Distance from its surface within which space counts as free unless another surface is measured there, in metres.
     pub reach_m: f64,
+    /// True if pixels that show it count as free to its back: nothing else can be inside of it.
+    pub is_transparent: bool,
 }
 
 /// Known bodies as one list of solids.
@@ -120,7 +124,7 @@ pub(crate) struct Explained {
 /// Content of a pixel.
 #[derive(Clone, Copy)]
 enum PixelOf {
-    /// A known body alone; its least depth there, less its tolerance (m).
+    /// A known body alone; the least depth to which it leaves no space for another, less its tolerance (m).
     Known(f64),
     /// The edge of a known body.
     Edge,
@@ -147,6 +151,7 @@ impl Explained {
         let SensorModel { lateral_error_px, .. } = view.sensor;
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 16")]
         let around = lateral_error_px.ceil() as usize;
+        let backs_m = backs_m(view, bodies, &render);
         let mut pixels = vec![PixelOf::Other; width * height];
         let known = KnownSolids::new(bodies);
         let all = known.all();
@@ -158,6 +163,7 @@ impl Explained {
                 let is_border =
                     columns.end() - columns.start() < 2 * around || rows.end() - rows.start() < 2 * around;
                 let (mut near_m, mut far_m, mut is_whole) = (f64::INFINITY, 0.0_f64, !is_border);
+                let mut back_m = f64::INFINITY;
                 for place in rows.flat_map(|row| columns.clone().map(move |column| row * width + column)) {
                     let segment = usize::from(render.segments[place]);
                     let Some(body) = bodies.get(segment.wrapping_sub(1)) else {
@@ -168,13 +174,15 @@ impl Explained {
                     let depth_m = f64::from(render.depth.depths_m()[place]);
                     near_m = near_m.min(depth_m - body.tolerance_m);
                     far_m = far_m.max(depth_m + body.tolerance_m);
+                    let back = backs_m.get(&place).map_or(depth_m, |back_m| back_m.max(depth_m));
+                    back_m = back_m.min(back - body.tolerance_m);
                 }
                 let is_behind = view.sensor.greatest_true_depth_m(measured_m) >= near_m;
                 let fits = is_behind && view.sensor.least_true_depth_m(measured_m) <= far_m;
                 // A depth at an edge may lie anywhere between front and back.
                 pixels[v * width + u] = match (is_whole, fits, is_behind) {
-                    (true, true, _) => PixelOf::Known(near_m),
-                    (false, _, true) => PixelOf::Edge,
+                    (true, true, _) => PixelOf::Known(back_m),
+                    (_, _, true) if near_m.is_finite() => PixelOf::Edge,
                     // Features of a body may be narrower than a pixel, or beyond the border of the image.
                     (false, _, false) if near_m.is_finite() || is_border => {
                         let camera = &view.camera;
@@ -197,7 +205,7 @@ impl Explained {
         self.pixels.is_empty()
     }
 
-    /// Returns the depth of the body that alone fills a pixel, less its tolerance, in metres.
+    /// Returns the depth to which a body that alone fills a pixel leaves no space for another, in metres.
     pub fn depth_m(&self, pixel: usize) -> Option<f64> {
         match self.pixels.get(pixel) {
             Some(PixelOf::Known(depth_m)) => Some(*depth_m),
@@ -209,4 +217,34 @@ impl Explained {
     pub fn is_of_known(&self, pixel: usize) -> bool {
         matches!(self.pixels.get(pixel), Some(PixelOf::Known(_) | PixelOf::Edge))
     }
+}
+
+/// Returns the depth (m) at which the ray of each pixel that shows a transparent body first leaves it.
+fn backs_m(view: &View, bodies: &[KnownBody], render: &Render) -> HashMap<usize, f64> {
+    let camera = &view.camera;
+    let mut backs_m = HashMap::new();
+    for (body, number) in bodies.iter().zip(1_u16..) {
+        if !body.is_transparent {
+            continue;
+        }
+        let shown = (0..render.segments.len()).filter(|pixel| render.segments[*pixel] == number);
+        let pixels: Vec<usize> = shown.collect();
+        for (pose, solid) in &body.solids {
+            let surface = solid.tessellation().and_then(|soup| Surface::new(&soup).ok());
+            let Some(surface) = surface.filter(|_| !pixels.is_empty()) else { continue };
+            let solid_from_camera = pose.inv_mul(&camera.world_from_camera);
+            let origin = Point::from(solid_from_camera.translation.vector);
+            for &pixel in &pixels {
+                let ray = camera.ray((pixel % camera.width_px) as f64, (pixel / camera.width_px) as f64);
+                let direction = solid_from_camera.rotation * ray.normalize();
+                let hits = surface.ray_hits(&origin, &direction, 2.0 * view.sensor.farthest_m);
+                // The first way out; of several solids, the first of all.
+                let Some(out) = hits.iter().find(|hit| hit.normal.dot(&direction) > 0.0) else { continue };
+                let depth_m = out.distance_m / ray.norm();
+                let back = backs_m.entry(pixel).or_insert(depth_m);
+                *back = back.min(depth_m);
+            }
+        }
+    }
+    backs_m
 }

@@ -15,6 +15,8 @@ pub struct SeenSettings {
     pub region: Aabb,
     /// Side of the smallest cells, in metres.
     pub cell_m: f64,
+    /// Boxes in which the smallest cells are half as wide.
+    pub fine: Vec<Aabb>,
     /// Treatment of unseen space.
     pub unseen: Unseen,
 }
@@ -85,7 +87,8 @@ impl SeenMap {
         let half_m = 0.5 * cell_m;
         let sight = |view: &View| Ok(Sight::new(view, &Explained::of(view, known)?, half_m));
         let sights: Vec<Sight> = views.par_iter().map(sight).collect::<Result<_, SenseError>>()?;
-        let survey = Survey { sights, known: KnownSolids::new(known), half_m };
+        let fine = settings.fine.clone();
+        let survey = Survey { sights, known: KnownSolids::new(known), half_m, fine };
         let low = region.low();
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small whole numbers")]
         let [x, y, z] = [0, 1, 2].map(|axis| counts[axis] as usize);
@@ -228,6 +231,8 @@ struct Survey {
     known: KnownSolids,
     /// Half side of the smallest cells, in metres.
     half_m: f64,
+    /// Boxes in which it is half of that.
+    fine: Vec<Aabb>,
 }
 
 impl Survey {
@@ -258,8 +263,10 @@ impl Survey {
             open.iter().any(|view| self.sights[*view].shows_surface(center, half_m, but_known))
         };
         // The borders of shadows and images, and the labels of cells that cannot be free, need no smallest cells.
-        let is_small = half_m < 3.0 * self.half_m;
-        let is_least = half_m < 1.5 * self.half_m || (is_small && !(is_open && shows(false)));
+        let is_fine = self.fine.iter().any(|fine| fine.distance_to(center) <= 0.0);
+        let least_m = if is_fine { 0.5 * self.half_m } else { self.half_m };
+        let is_small = half_m < 3.0 * least_m;
+        let is_least = half_m < 1.5 * least_m || (is_small && !(is_open && (is_fine || shows(false))));
         let nearness = near.map(|near| self.known.nearness(center, half_m, near));
         let near = match &nearness {
             None | Some(Nearness::Within) => None,
