@@ -123,9 +123,11 @@ pub(crate) struct Explained {
 
 /// Content of a pixel.
 #[derive(Clone, Copy)]
-enum PixelOf {
+pub(crate) enum PixelOf {
     /// A known body alone; the least depth to which it leaves no space for another, less its tolerance (m).
     Known(f64),
+    /// A transparent known body alone; the least depth of its back there, less its tolerance (m).
+    Through(f64),
     /// The edge of a known body.
     Edge,
     /// Anything else.
@@ -164,6 +166,7 @@ impl Explained {
                     columns.end() - columns.start() < 2 * around || rows.end() - rows.start() < 2 * around;
                 let (mut near_m, mut far_m, mut is_whole) = (f64::INFINITY, 0.0_f64, !is_border);
                 let mut back_m = f64::INFINITY;
+                let is_through = backs_m.contains_key(&(v * width + u));
                 for place in rows.flat_map(|row| columns.clone().map(move |column| row * width + column)) {
                     let segment = usize::from(render.segments[place]);
                     let Some(body) = bodies.get(segment.wrapping_sub(1)) else {
@@ -181,6 +184,7 @@ impl Explained {
                 let fits = is_behind && view.sensor.least_true_depth_m(measured_m) <= far_m;
                 // A depth at an edge may lie anywhere between front and back.
                 pixels[v * width + u] = match (is_whole, fits, is_behind) {
+                    (true, true, _) if is_through => PixelOf::Through(back_m),
                     (true, true, _) => PixelOf::Known(back_m),
                     (_, _, true) if near_m.is_finite() => PixelOf::Edge,
                     // Features of a body may be narrower than a pixel, or beyond the border of the image.
@@ -205,17 +209,19 @@ impl Explained {
         self.pixels.is_empty()
     }
 
-    /// Returns the depth to which a body that alone fills a pixel leaves no space for another, in metres.
-    pub fn depth_m(&self, pixel: usize) -> Option<f64> {
-        match self.pixels.get(pixel) {
-            Some(PixelOf::Known(depth_m)) => Some(*depth_m),
-            _ => None,
-        }
+    /// Returns true if a pixel shows a transparent body.
+    pub fn shows_transparent(&self) -> bool {
+        self.pixels.iter().any(|pixel| matches!(pixel, PixelOf::Through(_)))
+    }
+
+    /// Returns the content of a pixel.
+    pub fn pixel(&self, pixel: usize) -> PixelOf {
+        self.pixels.get(pixel).copied().unwrap_or(PixelOf::Other)
     }
 
     /// Returns true if the depth of a pixel is no sign of another body.
     pub fn is_of_known(&self, pixel: usize) -> bool {
-        matches!(self.pixels.get(pixel), Some(PixelOf::Known(_) | PixelOf::Edge))
+        !matches!(self.pixel(pixel), PixelOf::Other)
     }
 }
 

@@ -39,7 +39,7 @@ pub struct SeenMap {
     occupied: Vec<Aabb>,
     /// Cells that no camera has seen into.
     unseen: Vec<Aabb>,
-    detail_m: f64,
+    detail_m: [f64; 2],
 }
 
 /// Cells of one kind in a cube: all, none, or some, which are then listed.
@@ -104,18 +104,14 @@ impl SeenMap {
         });
         let cubes: Vec<Cells> = cubes.collect();
         let collected = |of: fn(&Cells) -> &Vec<Aabb>| cubes.iter().flat_map(of).copied().collect();
-        let farthest_m = (0..8_u8).map(|corner| {
-            let sign = |bit: u8| if corner & bit == 0 { -1.0 } else { 1.0 };
-            region.center + region.half_extents.component_mul(&Vector::new(sign(1), sign(2), sign(4)))
-        });
-        let detail_m = survey
-            .sights
-            .iter()
-            .map(|sight| {
-                let depth_m = farthest_m.clone().map(|corner| sight.depth_m(&corner)).fold(0.0, f64::max);
-                sight.detail_m(depth_m)
-            })
-            .fold(0.0, f64::max);
+        let details_m = |boxes: &[Aabb]| {
+            let corners = boxes.iter().flat_map(corners);
+            let details = corners.flat_map(|corner| {
+                survey.sights.iter().map(move |sight| sight.detail_m(sight.depth_m(&corner).max(0.0)))
+            });
+            details.fold([0.0_f64; 2], |[a, b], [c, d]| [a.max(c), b.max(d)])
+        };
+        let detail_m = [details_m(&[*region])[0], details_m(&settings.fine)[1]];
         // The cubes may reach beyond the region.
         let mapped = Vector::new(x as f64, y as f64, z as f64) * cube_m;
         let region = Aabb { center: low + mapped * 0.5, half_extents: mapped * 0.5 };
@@ -142,8 +138,8 @@ impl SeenMap {
         &self.unseen
     }
 
-    /// Returns the greatest diameter of details that can be missed within the region, in metres.
-    pub fn detail_m(&self) -> f64 {
+    /// Returns the greatest diameter of details that can be missed: within the region, and within its fine boxes (m).
+    pub fn detail_m(&self) -> [f64; 2] {
         self.detail_m
     }
 
@@ -247,9 +243,11 @@ impl Survey {
         near: Option<&[usize]>,
         cells: &mut Cells,
     ) -> Kind {
+        let is_fine =
+            half_m < 5.0 * self.half_m && self.fine.iter().any(|fine| fine.distance_to(center) <= 0.0);
         let (mut open, mut is_open) = (Vec::with_capacity(views.len()), false);
         for &view in views {
-            match self.sights[view].judge(center, half_m) {
+            match self.sights[view].judge(center, half_m, is_fine) {
                 Judgement::Free => return Kind::Free,
                 Judgement::Hidden => {}
                 Judgement::Blocked => open.push(view),
@@ -263,7 +261,6 @@ impl Survey {
             open.iter().any(|view| self.sights[*view].shows_surface(center, half_m, but_known))
         };
         // The borders of shadows and images, and the labels of cells that cannot be free, need no smallest cells.
-        let is_fine = self.fine.iter().any(|fine| fine.distance_to(center) <= 0.0);
         let least_m = if is_fine { 0.5 * self.half_m } else { self.half_m };
         let is_small = half_m < 3.0 * least_m;
         let is_least = half_m < 1.5 * least_m || (is_small && !(is_open && (is_fine || shows(false))));
@@ -313,4 +310,12 @@ impl Survey {
         }
         Kind::Mixed
     }
+}
+
+/// Corners of a box.
+fn corners(aabb: &Aabb) -> [Point; 8] {
+    std::array::from_fn(|corner| {
+        let sign = |bit: usize| if corner & bit == 0 { -1.0 } else { 1.0 };
+        aabb.center + aabb.half_extents.component_mul(&Vector::new(sign(1), sign(2), sign(4)))
+    })
 }

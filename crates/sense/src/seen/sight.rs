@@ -3,16 +3,20 @@ use cranny_spatial::{Point, Vector};
 
 use crate::View;
 use crate::seen::depth_table::{LeastTable, PixelRect};
-use crate::seen::known_solids::Explained;
+use crate::seen::known_solids::{Explained, PixelOf};
 
 /// A view, prepared to judge cells of space.
 ///
-/// Let an obstacle contain a ball of radius r = (½ + ε)√2 z_c/f around c, for the lateral error ε (px) and the focal length f (px), and
-/// let p be a point of that ball. The pixel nearest to the image of c is within ½ px of it along both axes, and all rays of its
-/// footprint (±ε) meet the ball, at depths of at most z_c + r sin θ, where θ is the greatest angle of a ray from the optical axis. The
-/// pixel is within g = ½ + r f/(z_c cos θ) of the image of p, and its measurement m has a least true depth l(m) ≤ z_p + r (1 + sin θ). So
-/// no point p of such an obstacle is in a cell if l(m) exceeds the farthest depth in the cell by r (1 + sin θ) for *all* pixels within
-/// g of the image of the cell. Details of an obstacle that no such ball reaches can be missed ([`detail_m`](Self::detail_m)).
+/// Let an obstacle contain a ball of radius R = (k + ½ + ε)√2 z_c/f around c, for a whole number k, the lateral error ε (px) and the
+/// focal length f (px), and let p be a point of that ball. The pixel nearest to the image of c is within ½ px of it along both axes. All
+/// rays of its footprint (±ε), and of those of the pixels at most k away, meet the ball, at depths of at most z_c + R sin θ, where θ is
+/// the greatest angle of a ray from the optical axis. The pixel is within g = ½ + R f/(z_c cos θ) of the image of p, and the
+/// measurements m of all these pixels have a least true depth l(m) ≤ z_p + R (1 + sin θ). So no point p of such an obstacle is in a cell
+/// if, for *all* pixels within g of the image of the cell, the greatest l(m) among the pixels at most k away exceeds the farthest depth
+/// in the cell by R (1 + sin θ). Details of an obstacle that no such ball reaches can be missed ([`detail_m`](Self::detail_m)).
+///
+/// A known body that is transparent holds no obstacle. Where it fills a pixel, c lies behind its back, or the pixel would show the
+/// obstacle; so the depth of its back, plus R sin θ, takes the place of l(m).
 pub(crate) struct Sight {
     turn: Matrix3<f64>,
     shift: Vector,
@@ -23,21 +27,89 @@ pub(crate) struct Sight {
     position_error_m: f64,
     /// Twice the sine of half the error of orientation.
     turn_error: f64,
-    /// Radius of a detail per metre of depth.
-    detail_per_m: f64,
-    /// Depth by which the rays of a detail may exceed that of its nearest point, per metre of depth.
-    slack_per_m: f64,
-    /// Distance of pixels from the image of a cell that can show an obstacle in it, in pixels.
-    growth_px: f64,
-    /// Least true depth of each pixel; 0 where nothing is measured.
-    free: LeastTable,
+    /// Condition for free space, with k = 0.
+    sharp: Condition,
+    /// The same with k = 1, for space beside a transparent body, whose edge is one or two pixels wide in an image.
+    beside: Option<Condition>,
     /// Negative of the greatest true depth of each pixel; 0 where nothing is measured.
     farthest: LeastTable,
-    /// Negative of the least of `free` in the pixels that concern every cell whose image holds the pixel.
+    /// Negative of the least depth of `sharp` in the pixels that concern every cell whose image holds the pixel.
     hopeful: LeastTable,
-    /// The same two tables for pixels that show no known body; others, and those where nothing is measured, are infinitely far and near.
-    /// `None` if no pixel shows a known body.
+    /// Least true depth, and the negative of the greatest, of pixels that show no known body; others, and those where nothing is
+    /// measured, are infinitely far and near. `None` if no pixel shows a known body.
     other: Option<[LeastTable; 2]>,
+}
+
+/// Condition under which a cell is free, for one k.
+struct Condition {
+    /// R per metre of depth.
+    detail_per_m: f64,
+    /// R (1 + sin θ) per metre of depth.
+    slack_per_m: f64,
+    /// g, in pixels.
+    growth_px: f64,
+    /// Depth up to which each pixel shows that nothing is there (m); 0 where nothing is measured.
+    free: LeastTable,
+}
+
+/// Optical constants of a view.
+struct Optics {
+    focal_px: [f64; 2],
+    /// Sine of the greatest angle of a ray from the optical axis.
+    sine: f64,
+    lateral_px: f64,
+    size_px: [usize; 2],
+}
+
+impl Condition {
+    /// Creates the condition for k = `reach`, for pixels with these least true depths and contents; the least cells have this half
+    /// side (m).
+    fn new(optics: &Optics, reach: u8, least_m: &[f64], explained: &Explained, least_half_m: f64) -> Self {
+        let Optics { focal_px, sine, lateral_px, size_px: [width, height] } = optics;
+        let radius_px = (f64::from(reach) + 0.5 + lateral_px) * std::f64::consts::SQRT_2;
+        let per_m = radius_px / focal_px[0].min(focal_px[1]);
+        // z_c ≤ z_p + R.
+        let detail_per_m = per_m / (1.0 - per_m.min(0.5));
+        let slack_per_m = detail_per_m * (1.0 + sine);
+        /// Rounding of a depth to single precision, in metres.
+        const ROUNDED_M: f64 = 1e-6;
+        let free_m = |pixel: usize| {
+            let least_m = least_m[pixel];
+            let known_m = match explained.pixel(pixel) {
+                PixelOf::Through(back_m) => back_m * (1.0 + detail_per_m * sine),
+                // A cell at the surface of a known body holds nothing else.
+                PixelOf::Known(depth_m) => depth_m * (1.0 + slack_per_m) + 4.0 * least_half_m,
+                PixelOf::Edge | PixelOf::Other => 0.0,
+            };
+            if least_m > 0.0 { known_m.max(least_m) - ROUNDED_M } else { 0.0 }
+        };
+        #[allow(clippy::cast_possible_truncation, reason = "less than the reserve for rounding")]
+        let mut free: Vec<f32> = (0..least_m.len()).map(|pixel| free_m(pixel) as f32).collect();
+        if reach > 0 {
+            free = greatest_around(&free, [*width, *height], usize::from(reach));
+        }
+        let cosine = (1.0 - sine * sine).max(1e-6).sqrt();
+        Self {
+            detail_per_m,
+            slack_per_m,
+            growth_px: 0.5 + detail_per_m * focal_px[0].max(focal_px[1]) / cosine,
+            free: LeastTable::new(*width, free),
+        }
+    }
+}
+
+/// Returns for each pixel of an image the greatest value among those at most `reach` away along both axes; 0 where one of them is
+/// outside of the image.
+fn greatest_around(image: &[f32], [width, height]: [usize; 2], reach: usize) -> Vec<f32> {
+    let mut greatest = vec![0.0; image.len()];
+    for v in reach..height.saturating_sub(reach) {
+        for u in reach..width.saturating_sub(reach) {
+            let rows =
+                (v - reach..=v + reach).map(|row| &image[row * width + u - reach..=row * width + u + reach]);
+            greatest[v * width + u] = rows.flatten().copied().fold(0.0, f32::max);
+        }
+    }
+    greatest
 }
 
 /// Result of a view for a cell.
@@ -67,10 +139,7 @@ impl Sight {
         let View { camera, depth, sensor, .. } = view;
         let camera_from_world = camera.world_from_camera.inverse();
         let focal_px = [camera.focal_x_px, camera.focal_y_px];
-        let reach_px = 0.5 + sensor.lateral_error_px;
-        let per_m = reach_px * std::f64::consts::SQRT_2 / focal_px[0].min(focal_px[1]);
-        // z_c ≤ z_p + r.
-        let detail_per_m = per_m / (1.0 - per_m.min(0.5));
+        let size_px = [camera.width_px, camera.height_px];
         let corners = [0, 1, 2, 3].map(|corner| {
             let u = if corner & 1 == 0 { 0 } else { camera.width_px - 1 };
             let v = if corner & 2 == 0 { 0 } else { camera.height_px - 1 };
@@ -78,56 +147,48 @@ impl Sight {
             ray.xy().norm() / ray.norm()
         });
         let sine = corners.into_iter().fold(0.0, f64::max);
-        let bounds = |pixel: usize| {
-            let measured = f64::from(depth.depths_m()[pixel]);
-            let is_valid = (sensor.nearest_m..=sensor.farthest_m).contains(&measured);
-            is_valid.then(|| [sensor.least_true_depth_m(measured), sensor.greatest_true_depth_m(measured)])
-        };
+        let bounds: Vec<Option<[f64; 2]>> = depth
+            .depths_m()
+            .iter()
+            .map(|measured_m| {
+                let measured = f64::from(*measured_m);
+                let is_valid = (sensor.nearest_m..=sensor.farthest_m).contains(&measured);
+                is_valid
+                    .then(|| [sensor.least_true_depth_m(measured), sensor.greatest_true_depth_m(measured)])
+            })
+            .collect();
         let table = |value: &dyn Fn(usize) -> f64| {
             #[allow(clippy::cast_possible_truncation, reason = "rounding is a thousandth of a reserve")]
-            let image = (0..camera.pixel_count()).map(|pixel| value(pixel) as f32).collect();
+            let image = (0..bounds.len()).map(|pixel| value(pixel) as f32).collect();
             LeastTable::new(camera.width_px, image)
         };
-        /// Rounding of a depth to single precision, in metres.
-        const ROUNDED_M: f64 = 1e-6;
-        let slack_per_m = detail_per_m * (1.0 + sine);
-        // A cell at the surface of a known body holds nothing else.
-        let behind_known = |known_m: f64| known_m * (1.0 + slack_per_m) + 4.0 * least_half_m;
-        let least = |pixel: usize| {
-            let known = explained.depth_m(pixel).map(behind_known);
-            bounds(pixel).map_or(0.0, |[least, _]| known.unwrap_or(least).max(least) - ROUNDED_M)
-        };
-        let growth_px =
-            0.5 + detail_per_m * focal_px[0].max(focal_px[1]) / (1.0 - sine * sine).max(1e-6).sqrt();
-        let free = table(&least);
-        let hopeful = (0..camera.pixel_count()).map(|pixel| {
-            let range = |at: usize, size: usize| {
-                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some pixels")]
-                let around = (growth_px - 0.5) as usize;
-                [at.saturating_sub(around), (at + around).min(size - 1)]
-            };
+        let least_m: Vec<f64> = bounds.iter().map(|bounds| bounds.map_or(0.0, |[least, _]| least)).collect();
+        let optics = Optics { focal_px, sine, lateral_px: sensor.lateral_error_px, size_px };
+        let condition = |reach: u8| Condition::new(&optics, reach, &least_m, explained, least_half_m);
+        let sharp = condition(0);
+        let hopeful = (0..bounds.len()).map(|pixel| {
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some pixels")]
+            let around = (sharp.growth_px - 0.5) as usize;
+            let range = |at: usize, size: usize| [at.saturating_sub(around), (at + around).min(size - 1)];
             let (u, v) = (pixel % camera.width_px, pixel / camera.width_px);
             let rect = PixelRect { columns: range(u, camera.width_px), rows: range(v, camera.height_px) };
-            -free.least(&rect)
+            -sharp.free.least(&rect)
         });
-        let hopeful = LeastTable::new(camera.width_px, hopeful.collect());
         Self {
             turn: camera_from_world.rotation.to_rotation_matrix().into_inner(),
             shift: camera_from_world.translation.vector,
             focal_px,
             center_px: [camera.center_x_px, camera.center_y_px],
-            size_px: [camera.width_px, camera.height_px],
+            size_px,
             nearest_m: sensor.nearest_m,
             position_error_m: sensor.position_error_m,
             turn_error: 2.0 * libm::sin(0.5 * sensor.turn_error_rad),
-            detail_per_m,
-            slack_per_m,
-            growth_px,
-            hopeful,
-            free,
-            farthest: table(&|pixel| bounds(pixel).map_or(0.0, |[_, farthest]| -farthest)),
+            hopeful: LeastTable::new(camera.width_px, hopeful.collect()),
+            beside: explained.shows_transparent().then(|| condition(1)),
+            sharp,
+            farthest: table(&|pixel| bounds[pixel].map_or(0.0, |[_, farthest]| -farthest)),
             other: (!explained.is_empty()).then(|| {
-                let of_other = |pixel: usize| bounds(pixel).filter(|_| !explained.is_of_known(pixel));
+                let of_other = |pixel: usize| bounds[pixel].filter(|_| !explained.is_of_known(pixel));
                 [
                     table(&|pixel| of_other(pixel).map_or(f64::INFINITY, |[least, _]| least)),
                     table(&|pixel| of_other(pixel).map_or(0.0, |[_, farthest]| -farthest)),
@@ -136,9 +197,11 @@ impl Sight {
         }
     }
 
-    /// Returns the diameter of details that can be missed at this depth (m), in metres.
-    pub fn detail_m(&self, depth_m: f64) -> f64 {
-        2.0 * self.detail_per_m * depth_m
+    /// Returns the greatest diameter of details that can be missed at this depth (m), in metres: everywhere, and beside a transparent
+    /// body.
+    pub fn detail_m(&self, depth_m: f64) -> [f64; 2] {
+        let of = |condition: &Condition| 2.0 * condition.detail_per_m * depth_m;
+        [of(&self.sharp), of(self.beside.as_ref().unwrap_or(&self.sharp))]
     }
 
     /// Returns the depth of a point of the planning frame, in metres.
@@ -146,40 +209,46 @@ impl Sight {
         (self.turn * point.coords + self.shift).z
     }
 
-    /// Judges a cube by its centre and half side (m).
-    pub fn judge(&self, center: &Point, half_m: f64) -> Judgement {
+    /// Judges a cube by its centre and half side (m), which lies beside a transparent body or not.
+    pub fn judge(&self, center: &Point, half_m: f64, is_beside: bool) -> Judgement {
         let Some(image) = self.image(center, half_m) else { return Judgement::Open };
-        if image.depths_m[1] <= self.nearest_m {
+        let [near_m, far_m] = image.depths_m;
+        if far_m <= self.nearest_m {
             return Judgement::Hidden;
         }
-        let [near_m, far_m] = image.depths_m;
-        if near_m >= self.nearest_m
-            && let Some(rect) = self.whole_rect(&image, self.growth_px)
-            && f64::from(self.free.least(&rect)) > far_m * (1.0 + self.slack_per_m)
-        {
+        let is_free = |condition: &Condition| {
+            self.whole_rect(&image, condition.growth_px).is_some_and(|rect| {
+                f64::from(condition.free.least(&rect)) > far_m * (1.0 + condition.slack_per_m)
+            })
+        };
+        let beside = self.beside.as_ref().filter(|_| is_beside);
+        if near_m >= self.nearest_m && (is_free(&self.sharp) || beside.is_some_and(is_free)) {
             return Judgement::Free;
         }
         let Some(rect) = self.rect(&image, 1.0) else { return Judgement::Hidden };
+        if beside.is_some() {
+            return Judgement::Open;
+        }
         let is_hidden = -f64::from(self.farthest.least(&rect)) <= near_m;
         if is_hidden {
             return Judgement::Hidden;
         }
         // A pixel beside the image of the cell concerns all smaller cells there, too.
-        let is_blocked = -f64::from(self.hopeful.least(&rect)) <= near_m * (1.0 + self.slack_per_m);
+        let is_blocked = -f64::from(self.hopeful.least(&rect)) <= near_m * (1.0 + self.sharp.slack_per_m);
         if is_blocked { Judgement::Blocked } else { Judgement::Open }
     }
 
     /// Returns true if a surface may have been measured in a cube; with `but_known`, one of another than the known bodies.
     pub fn shows_surface(&self, center: &Point, half_m: f64, but_known: bool) -> bool {
         let Some(image) = self.image(center, half_m) else { return false };
-        let Some(rect) = self.rect(&image, self.growth_px) else { return false };
+        let Some(rect) = self.rect(&image, self.sharp.growth_px) else { return false };
         let [near_m, far_m] = image.depths_m;
         let (least, farthest) = match &self.other {
             Some([least, farthest]) if but_known => (least, farthest),
-            _ => (&self.free, &self.farthest),
+            _ => (&self.sharp.free, &self.farthest),
         };
         #[allow(clippy::cast_possible_truncation, reason = "a reserve covers the rounding")]
-        let (far, near) = ((far_m * (1.0 + self.slack_per_m)) as f32, near_m as f32);
+        let (far, near) = ((far_m * (1.0 + self.sharp.slack_per_m)) as f32, near_m as f32);
         if least.least(&rect) > far || -farthest.least(&rect) < near {
             return false;
         }
