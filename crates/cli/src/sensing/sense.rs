@@ -21,7 +21,7 @@ use crate::{Answer, output_file, progress, text};
   cranny sense 021 --default-cameras 2 -o views
   cranny sense 021 --cameras cameras.yaml -o views
   cranny sense 021 --cameras cameras.yaml --noise-seed 7 -o views
-  cranny sense 021 --default-cameras 1 --format npy -o views
+  cranny sense 021 --default-cameras 1 --format npy --clouds -o views
 
 A file of cameras:
   cameras:
@@ -57,6 +57,9 @@ pub struct SenseArguments {
     /// Share of pixels at random places without a depth [default: 0]
     #[arg(long, value_name = "SHARE", requires = "noise_seed", value_parser = share)]
     pub dropouts: Option<f64>,
+    /// Also write the points of each view in the frame of the robot's root link (NAME.pcd)
+    #[arg(long)]
+    pub clouds: bool,
     /// Robot to use instead of the scenario's
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
@@ -113,7 +116,15 @@ pub fn run(arguments: &SenseArguments, output: Output) -> Result<Answer, Failure
         FormatArgument::Png => DepthFormat::Png,
         FormatArgument::Npy => DepthFormat::Npy,
     };
-    let files: Vec<output_file::NamedFile> = views.files(format)?.into_iter().map(named).collect();
+    let mut files: Vec<output_file::NamedFile> = views.files(format)?.into_iter().map(named).collect();
+    if arguments.clouds {
+        let cloud = |StoredView { view, .. }: &StoredView| output_file::NamedFile {
+            name: format!("{}.pcd", view.name),
+            kind: FileKind::Pcd,
+            content: view.cloud().pcd_bytes(),
+        };
+        files.extend(views.views.iter().map(cloud));
+    }
     let files = output_file::write_all(&arguments.output, &files, output)?;
     let sensed = Sensed::of(&scenario, &views, files);
     text::answer(&sensed, || sensed.page(), output)?;
