@@ -125,6 +125,7 @@ impl PyScenario {
             joint_bounds: BTreeMap::new(),
             speeds: Vec::new(),
             export: None,
+            seen: None,
         };
         let made = Made::opened(&robot.py().get_type::<Self>().getattr("of")?, (robot, bodies), &keywords)?;
         Ok(Self {

@@ -112,6 +112,7 @@ fn scenario_of(id: String, robot: Arc<Robot>, world: World, start: Vec<f64>) -> 
         joint_bounds: BTreeMap::new(),
         speeds: Vec::new(),
         export: None,
+        seen: None,
     };
     Ok(scenario.with_start(start)?)
 }

@@ -386,6 +386,14 @@ pub enum ScenarioError {
     /// A camera or a depth image is invalid.
     #[error(transparent)]
     Sense(#[from] cranny_sense::SenseError),
+    /// An option of a map of seen space is out of its range.
+    #[error("{property} of a map of seen space must be 0 to 0.2 m, but is {value} m")]
+    SeenOption {
+        /// Name of the option.
+        property: &'static str,
+        /// The invalid value, in metres.
+        value: f64,
+    },
     /// A `MoveIt` scene, a request, or the robot that they name is invalid.
     #[error(transparent)]
     MoveIt(#[from] MoveItError),

@@ -12,8 +12,8 @@ use strum::{EnumString, IntoStaticStr};
 
 use crate::robot::hand;
 use crate::{
-    DEFAULT_FRICTION, GivenGrasps, NamedTask, ObjectSource, RobotSource, ScenarioError, StatedSpeed,
-    TargetPhysics,
+    DEFAULT_FRICTION, GivenGrasps, NamedTask, ObjectSource, RobotSource, ScenarioError, SeenSpace,
+    StatedSpeed, TargetPhysics,
 };
 
 /// Colours of bodies by name, one for each part: red, green and blue, 0 to 1, sRGB; `None` for a part without one. Bodies without
@@ -63,6 +63,8 @@ pub struct Scenario {
     pub speeds: Vec<StatedSpeed>,
     /// Triangles of the released export, in the planning frame, which the `paper` criterion checks instead of the bodies.
     pub export: Option<Surface>,
+    /// Space that cameras have seen, if the obstacles are a map of it.
+    pub seen: Option<SeenSpace>,
 }
 
 /// Options that complete or override the files of a scenario.

@@ -3,4 +3,5 @@
 mod clouds;
 mod measuring;
 mod rendering;
+mod seen;
 mod view_files;

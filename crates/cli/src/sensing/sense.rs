@@ -3,8 +3,12 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use cranny_file::counted;
-use cranny_scenario::{OpenOptions, Scenario};
-use cranny_sense::{CameraFile, DepthFormat, Noise, PlacedCamera, SensedScene, StoredView, Views};
+use cranny_scenario::{
+    OpenOptions, Scenario, SeenOptions, check_free_folder, write_whole_file, write_whole_folder,
+};
+use cranny_sense::{
+    CameraFile, DepthFormat, NamedFile, Noise, PlacedCamera, SensedScene, StoredView, Unseen, Views,
+};
 use cranny_spatial::other_seed;
 use serde::Serialize;
 
@@ -22,6 +26,11 @@ use crate::{Answer, output_file, progress, text};
   cranny sense 021 --cameras cameras.yaml -o views
   cranny sense 021 --cameras cameras.yaml --noise-seed 7 -o views
   cranny sense 021 --default-cameras 1 --format npy --clouds -o views
+  cranny sense 021 --default-cameras 2 --noise-seed 1 --scenario -o seen && cranny plan seen -o plan.json
+  cranny verify 021 plan.json
+
+With --scenario the folder is a scenario of what a robot knows: itself, the target, its grasps, the floor, and the views.
+All space that no camera has seen to be free is an obstacle. The last line checks such a plan against the true scene.
 
 A file of cameras:
   cameras:
@@ -60,6 +69,12 @@ pub struct SenseArguments {
     /// Also write the points of each view in the frame of the robot's root link (NAME.pcd)
     #[arg(long)]
     pub clouds: bool,
+    /// Write a scenario, as a new folder: robot, start, target, grasps and floor, with the views as obstacles
+    #[arg(long)]
+    pub scenario: bool,
+    /// Treatment of unseen space in that scenario [default: solid]
+    #[arg(long, value_enum, requires = "scenario")]
+    pub unseen: Option<UnseenArgument>,
     /// Robot to use instead of the scenario's
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
@@ -74,6 +89,14 @@ pub enum FormatArgument {
     Png,
     /// Metres in a `NumPy` array
     Npy,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum UnseenArgument {
+    /// It is an obstacle
+    Solid,
+    /// It is free, as an ordinary occupancy map assumes; for comparison
+    Free,
 }
 
 /// Output of `sense --json`.
@@ -103,6 +126,9 @@ pub fn run(arguments: &SenseArguments, output: Output) -> Result<Answer, Failure
         geometry: arguments.geometry.map(Into::into),
         ..OpenOptions::default()
     };
+    if arguments.scenario {
+        check_free_folder(&arguments.output)?;
+    }
     let scenario = open_scenario(&arguments.id, &options, output)?;
     let scene = scenario.sensed()?;
     let spinner = progress::spinner("rendering", output.quiet);
@@ -116,25 +142,40 @@ pub fn run(arguments: &SenseArguments, output: Output) -> Result<Answer, Failure
         FormatArgument::Png => DepthFormat::Png,
         FormatArgument::Npy => DepthFormat::Npy,
     };
-    let mut files: Vec<output_file::NamedFile> = views.files(format)?.into_iter().map(named).collect();
+    let mut files = views.files(format)?;
     if arguments.clouds {
-        let cloud = |StoredView { view, .. }: &StoredView| output_file::NamedFile {
+        files.extend(views.views.iter().map(|StoredView { view, .. }| NamedFile {
             name: format!("{}.pcd", view.name),
-            kind: FileKind::Pcd,
             content: view.cloud().pcd_bytes(),
-        };
-        files.extend(views.views.iter().map(cloud));
+        }));
     }
-    let files = output_file::write_all(&arguments.output, &files, output)?;
+    let files = if arguments.scenario {
+        let unseen = match arguments.unseen {
+            Some(UnseenArgument::Free) => Unseen::Free,
+            Some(UnseenArgument::Solid) | None => Unseen::Solid,
+        };
+        let options = SeenOptions { unseen, ..SeenOptions::default() };
+        write_whole_folder(&arguments.output, |folder| {
+            for file in &files {
+                write_whole_file(&folder.join(&file.name), &file.content)?;
+            }
+            options.write_scenario(&scenario, folder)
+        })?;
+        files.iter().map(|file| arguments.output.join(&file.name)).collect()
+    } else {
+        let files: Vec<output_file::NamedFile> = files.into_iter().map(named).collect();
+        output_file::write_all(&arguments.output, &files, output)?
+    };
     let sensed = Sensed::of(&scenario, &views, files);
     text::answer(&sensed, || sensed.page(), output)?;
     Ok(Answer::Done)
 }
 
-fn named(file: cranny_sense::NamedFile) -> output_file::NamedFile {
+fn named(file: NamedFile) -> output_file::NamedFile {
     let kind = match file.name.rsplit_once('.') {
         Some((_, "png")) => FileKind::Png,
         Some((_, "npy")) => FileKind::Npy,
+        Some((_, "pcd")) => FileKind::Pcd,
         _ => FileKind::Views,
     };
     output_file::NamedFile { name: file.name, kind, content: file.content }

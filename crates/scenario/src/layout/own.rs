@@ -148,9 +148,11 @@ pub(crate) fn open_texts(
             .map(|(joint, between)| (joint.clone(), between.value))
             .collect(),
         export: None,
+        seen: None,
     }
     .on_its_ground(options)?
-    .with_checked_start(&layout.at(file.start.referenced).to_string())
+    .with_checked_start(&layout.at(file.start.referenced).to_string())?
+    .with_seen_entry(&layout, file.seen.as_ref())
 }
 
 pub(crate) const FLOOR: &str = "floor";

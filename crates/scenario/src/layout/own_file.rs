@@ -11,6 +11,8 @@ use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_saphyr::Spanned;
 
+use crate::layout::own_seen::SeenEntry;
+
 /// Scenario file. Poses and heights are in the scene frame; metres, and degrees where the key contains `deg`.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -74,6 +76,10 @@ pub(crate) struct ScenarioFile {
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, SpeedEntry>")]
     pub speeds: BTreeMap<String, Spanned<SpeedEntry>>,
+    /// Views of depth cameras: obstacles, in addition to those above, are all surfaces that they show and, unless `unseen` is `free`,
+    /// all space that none of them has seen.
+    #[schemars(with = "Option<SeenEntry>")]
+    pub seen: Option<Spanned<SeenEntry>>,
     #[schemars(with = "Option<CriterionName>")]
     pub criterion: Option<Criterion>,
 }

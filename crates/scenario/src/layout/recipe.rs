@@ -166,6 +166,7 @@ impl Recipe {
             regions: in_frame(&self.regions, &planning_from_scene),
             ik: self.ik.clone(),
             export: None,
+            seen: None,
         }
         .with_checked_start(id)
     }

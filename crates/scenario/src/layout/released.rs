@@ -99,6 +99,7 @@ pub(crate) fn open_with(
         speeds: Vec::new(),
         ik,
         export: exported.map(|exported| exported.surface),
+        seen: None,
     }
     .on_its_ground(options)?
     .with_checked_start(&start_file.display().to_string())

@@ -29,14 +29,28 @@ impl LeastTable {
                 let (here, below) =
                     (&finer[row * width..(row + 1) * width], &finer[other * width..(other + 1) * width]);
                 let target = &mut next[row * width..(row + 1) * width];
-                for column in 0..width {
-                    let right = (column + half).min(width - 1);
-                    target[column] = here[column].min(here[right]).min(below[column]).min(below[right]);
+                let least_of_two = |one: &[f32], other: &[f32], target: &mut [f32]| {
+                    for ((least, a), b) in target.iter_mut().zip(one).zip(other) {
+                        *least = least.min(*a).min(*b);
+                    }
+                };
+                least_of_two(below, &here[half..], target);
+                least_of_two(below, &below[half..], target);
+                let (here, below) = (here[width - 1], below[width - 1]);
+                for least in &mut target[width - half..] {
+                    *least = least.min(here).min(below);
                 }
             }
             levels.push(next);
         }
         Self { width, levels }
+    }
+
+    /// Returns the values of the pixels of a rectangle within the image.
+    pub fn pixels(&self, rect: &PixelRect) -> impl Iterator<Item = f32> {
+        let [[left, right], [top, bottom]] = [rect.columns, rect.rows];
+        let row = move |row: usize| self.levels[0][row * self.width + left..=row * self.width + right].iter();
+        (top..=bottom).flat_map(row).copied()
     }
 
     /// Returns the least value in a rectangle within the image.

@@ -79,6 +79,16 @@ impl KnownSolids {
         if near.is_empty() { Nearness::Beyond } else { Nearness::Partly(near) }
     }
 
+    /// Returns true if a point lies within a distance (m) of one of these solids.
+    pub fn is_within(&self, point: &Point, margin_m: f64, among: &[usize]) -> bool {
+        among.iter().any(|&index| {
+            let KnownSolid { pose, solid, .. } = &self.solids[index];
+            let ball = solid.ball();
+            let is_far = (pose * ball.center - point).norm() - ball.radius_m > margin_m;
+            !is_far && distance_m(point, solid, pose, margin_m) <= margin_m
+        })
+    }
+
     /// Returns true if a cube comes within reach of one of these solids.
     pub fn reaches(&self, center: &Point, half_m: f64, among: &[usize]) -> bool {
         let cube = Solid::cuboid(cranny_spatial::Vector::repeat(half_m));
@@ -103,8 +113,19 @@ fn distance_m(point: &Point, solid: &Solid, pose: &Pose, beyond_m: f64) -> f64 {
 
 /// Pixels of a view that show known bodies.
 pub(crate) struct Explained {
-    /// Least depth of the body in the pixel and around it, less its tolerance (m); NaN for other pixels. Empty if no pixel shows any.
-    depths_m: Vec<f32>,
+    /// Row by row; empty if no pixel shows any.
+    pixels: Vec<PixelOf>,
+}
+
+/// Content of a pixel.
+#[derive(Clone, Copy)]
+enum PixelOf {
+    /// A known body alone; its least depth there, less its tolerance (m).
+    Known(f64),
+    /// The edge of a known body.
+    Edge,
+    /// Anything else.
+    Other,
 }
 
 impl Explained {
@@ -120,42 +141,72 @@ impl Explained {
         }
         let render = scene.render(&view.camera);
         if render.segments.iter().all(|segment| *segment == 0) {
-            return Ok(Self { depths_m: Vec::new() });
+            return Ok(Self { pixels: Vec::new() });
         }
         let (width, height) = (view.camera.width_px, view.camera.height_px);
         let SensorModel { lateral_error_px, .. } = view.sensor;
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 16")]
         let around = lateral_error_px.ceil() as usize;
-        let mut depths_m = vec![f32::NAN; width * height];
-        for v in around..height.saturating_sub(around) {
-            for u in around..width.saturating_sub(around) {
-                let segment = render.segments[v * width + u];
-                let Some(body) = bodies.get(usize::from(segment).wrapping_sub(1)) else { continue };
+        let mut pixels = vec![PixelOf::Other; width * height];
+        let known = KnownSolids::new(bodies);
+        let all = known.all();
+        for v in 0..height {
+            for u in 0..width {
                 let Some(measured_m) = view.depth.depth_m(u, v).map(f64::from) else { continue };
-                let (mut near_m, mut far_m, mut is_whole) = (f64::INFINITY, 0.0_f64, true);
-                for row in v - around..=v + around {
-                    for place in row * width + u - around..=row * width + u + around {
-                        is_whole &= render.segments[place] == segment;
-                        let depth_m = f64::from(render.depth.depths_m()[place]);
-                        (near_m, far_m) = (near_m.min(depth_m), far_m.max(depth_m));
-                    }
+                let columns = u.saturating_sub(around)..=(u + around).min(width - 1);
+                let rows = v.saturating_sub(around)..=(v + around).min(height - 1);
+                let is_border =
+                    columns.end() - columns.start() < 2 * around || rows.end() - rows.start() < 2 * around;
+                let (mut near_m, mut far_m, mut is_whole) = (f64::INFINITY, 0.0_f64, !is_border);
+                for place in rows.flat_map(|row| columns.clone().map(move |column| row * width + column)) {
+                    let segment = usize::from(render.segments[place]);
+                    let Some(body) = bodies.get(segment.wrapping_sub(1)) else {
+                        is_whole = false;
+                        continue;
+                    };
+                    is_whole &= render.segments[place] == render.segments[v * width + u];
+                    let depth_m = f64::from(render.depth.depths_m()[place]);
+                    near_m = near_m.min(depth_m - body.tolerance_m);
+                    far_m = far_m.max(depth_m + body.tolerance_m);
                 }
-                let (near_m, far_m) = (near_m - body.tolerance_m, far_m + body.tolerance_m);
-                let fits = view.sensor.greatest_true_depth_m(measured_m) >= near_m
-                    && view.sensor.least_true_depth_m(measured_m) <= far_m;
-                if is_whole && fits {
-                    #[allow(clippy::cast_possible_truncation, reason = "a reserve covers the rounding")]
-                    {
-                        depths_m[v * width + u] = near_m as f32;
+                let is_behind = view.sensor.greatest_true_depth_m(measured_m) >= near_m;
+                let fits = is_behind && view.sensor.least_true_depth_m(measured_m) <= far_m;
+                // A depth at an edge may lie anywhere between front and back.
+                pixels[v * width + u] = match (is_whole, fits, is_behind) {
+                    (true, true, _) => PixelOf::Known(near_m),
+                    (false, _, true) => PixelOf::Edge,
+                    // Features of a body may be narrower than a pixel, or beyond the border of the image.
+                    (false, _, false) if near_m.is_finite() || is_border => {
+                        let camera = &view.camera;
+                        let lateral_m = 2.0 * (0.5 + lateral_error_px) * measured_m
+                            / camera.focal_x_px.min(camera.focal_y_px);
+                        let margin_m = lateral_m + view.sensor.depth_bound_m(measured_m);
+                        let point = camera.ray(u as f64, v as f64) * measured_m;
+                        let point = camera.world_from_camera * Point::from(point);
+                        if known.is_within(&point, margin_m, &all) { PixelOf::Edge } else { PixelOf::Other }
                     }
-                }
+                    _ => PixelOf::Other,
+                };
             }
         }
-        Ok(Self { depths_m })
+        Ok(Self { pixels })
     }
 
-    /// Returns the depth of the body that a pixel shows, less its tolerance, in metres.
+    /// Returns true if no pixel shows a known body.
+    pub fn is_empty(&self) -> bool {
+        self.pixels.is_empty()
+    }
+
+    /// Returns the depth of the body that alone fills a pixel, less its tolerance, in metres.
     pub fn depth_m(&self, pixel: usize) -> Option<f64> {
-        self.depths_m.get(pixel).filter(|depth_m| !depth_m.is_nan()).map(|depth_m| f64::from(*depth_m))
+        match self.pixels.get(pixel) {
+            Some(PixelOf::Known(depth_m)) => Some(*depth_m),
+            _ => None,
+        }
+    }
+
+    /// Returns true if the depth of a pixel is no sign of another body.
+    pub fn is_of_known(&self, pixel: usize) -> bool {
+        matches!(self.pixels.get(pixel), Some(PixelOf::Known(_) | PixelOf::Edge))
     }
 }

@@ -242,15 +242,24 @@ impl Survey {
         near: Option<&[usize]>,
         cells: &mut Cells,
     ) -> Kind {
-        let mut open = Vec::with_capacity(views.len());
+        let (mut open, mut is_open) = (Vec::with_capacity(views.len()), false);
         for &view in views {
             match self.sights[view].judge(center, half_m) {
                 Judgement::Free => return Kind::Free,
                 Judgement::Hidden => {}
-                Judgement::Open => open.push(view),
+                Judgement::Blocked => open.push(view),
+                Judgement::Open => {
+                    is_open = true;
+                    open.push(view);
+                }
             }
         }
-        let is_least = half_m < 1.5 * self.half_m;
+        let shows = |but_known: bool| {
+            open.iter().any(|view| self.sights[*view].shows_surface(center, half_m, but_known))
+        };
+        // The borders of shadows and images, and the labels of cells that cannot be free, need no smallest cells.
+        let is_small = half_m < 3.0 * self.half_m;
+        let is_least = half_m < 1.5 * self.half_m || (is_small && !(is_open && shows(false)));
         let nearness = near.map(|near| self.known.nearness(center, half_m, near));
         let near = match &nearness {
             None | Some(Nearness::Within) => None,
@@ -258,8 +267,6 @@ impl Survey {
             Some(Nearness::Partly(near)) => Some(&near[..]),
         };
         let is_exempt = near.is_none_or(|near| is_least && self.known.reaches(center, half_m, near));
-        let shows =
-            |but_known: bool| self.sights.iter().any(|sight| sight.shows_surface(center, half_m, but_known));
         if is_least {
             return match (is_exempt, shows(is_exempt)) {
                 (_, true) => Kind::Occupied,

@@ -33,10 +33,11 @@ pub(crate) struct Sight {
     free: LeastTable,
     /// Negative of the greatest true depth of each pixel; 0 where nothing is measured.
     farthest: LeastTable,
-    /// Least true depth of pixels that show no known body, infinite for others and where nothing is measured.
-    other: LeastTable,
-    /// Negative of their greatest true depth.
-    other_farthest: LeastTable,
+    /// Negative of the least of `free` in the pixels that concern every cell whose image holds the pixel.
+    hopeful: LeastTable,
+    /// The same two tables for pixels that show no known body; others, and those where nothing is measured, are infinitely far and near.
+    /// `None` if no pixel shows a known body.
+    other: Option<[LeastTable; 2]>,
 }
 
 /// Result of a view for a cell.
@@ -46,6 +47,8 @@ pub(crate) enum Judgement {
     Free,
     /// No smaller cell within it can be seen to be free, and no surface was measured in it.
     Hidden,
+    /// No smaller cell within it can be seen to be free.
+    Blocked,
     /// Smaller cells may be free.
     Open,
 }
@@ -94,7 +97,20 @@ impl Sight {
             let known = explained.depth_m(pixel).map(behind_known);
             bounds(pixel).map_or(0.0, |[least, _]| known.unwrap_or(least).max(least) - ROUNDED_M)
         };
-        let is_known = |pixel: usize| explained.depth_m(pixel).is_some();
+        let growth_px =
+            0.5 + detail_per_m * focal_px[0].max(focal_px[1]) / (1.0 - sine * sine).max(1e-6).sqrt();
+        let free = table(&least);
+        let hopeful = (0..camera.pixel_count()).map(|pixel| {
+            let range = |at: usize, size: usize| {
+                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some pixels")]
+                let around = (growth_px - 0.5) as usize;
+                [at.saturating_sub(around), (at + around).min(size - 1)]
+            };
+            let (u, v) = (pixel % camera.width_px, pixel / camera.width_px);
+            let rect = PixelRect { columns: range(u, camera.width_px), rows: range(v, camera.height_px) };
+            -free.least(&rect)
+        });
+        let hopeful = LeastTable::new(camera.width_px, hopeful.collect());
         Self {
             turn: camera_from_world.rotation.to_rotation_matrix().into_inner(),
             shift: camera_from_world.translation.vector,
@@ -106,17 +122,16 @@ impl Sight {
             turn_error: 2.0 * libm::sin(0.5 * sensor.turn_error_rad),
             detail_per_m,
             slack_per_m,
-            growth_px: 0.5
-                + detail_per_m * focal_px[0].max(focal_px[1]) / (1.0 - sine * sine).max(1e-6).sqrt(),
-            free: table(&least),
+            growth_px,
+            hopeful,
+            free,
             farthest: table(&|pixel| bounds(pixel).map_or(0.0, |[_, farthest]| -farthest)),
-            other: table(&|pixel| match bounds(pixel) {
-                Some([least, _]) if !is_known(pixel) => least,
-                _ => f64::INFINITY,
-            }),
-            other_farthest: table(&|pixel| match bounds(pixel) {
-                Some([_, farthest]) if !is_known(pixel) => -farthest,
-                _ => 0.0,
+            other: (!explained.is_empty()).then(|| {
+                let of_other = |pixel: usize| bounds(pixel).filter(|_| !explained.is_of_known(pixel));
+                [
+                    table(&|pixel| of_other(pixel).map_or(f64::INFINITY, |[least, _]| least)),
+                    table(&|pixel| of_other(pixel).map_or(0.0, |[_, farthest]| -farthest)),
+                ]
             }),
         }
     }
@@ -146,7 +161,12 @@ impl Sight {
         }
         let Some(rect) = self.rect(&image, 1.0) else { return Judgement::Hidden };
         let is_hidden = -f64::from(self.farthest.least(&rect)) <= near_m;
-        if is_hidden { Judgement::Hidden } else { Judgement::Open }
+        if is_hidden {
+            return Judgement::Hidden;
+        }
+        // A pixel beside the image of the cell concerns all smaller cells there, too.
+        let is_blocked = -f64::from(self.hopeful.least(&rect)) <= near_m * (1.0 + self.slack_per_m);
+        if is_blocked { Judgement::Blocked } else { Judgement::Open }
     }
 
     /// Returns true if a surface may have been measured in a cube; with `but_known`, one of another than the known bodies.
@@ -154,38 +174,48 @@ impl Sight {
         let Some(image) = self.image(center, half_m) else { return false };
         let Some(rect) = self.rect(&image, self.growth_px) else { return false };
         let [near_m, far_m] = image.depths_m;
-        let (least, farthest) =
-            if but_known { (&self.other, &self.other_farthest) } else { (&self.free, &self.farthest) };
-        let least = f64::from(least.least(&rect));
-        least <= far_m * (1.0 + self.slack_per_m) && -f64::from(farthest.least(&rect)) >= near_m
+        let (least, farthest) = match &self.other {
+            Some([least, farthest]) if but_known => (least, farthest),
+            _ => (&self.free, &self.farthest),
+        };
+        #[allow(clippy::cast_possible_truncation, reason = "a reserve covers the rounding")]
+        let (far, near) = ((far_m * (1.0 + self.slack_per_m)) as f32, near_m as f32);
+        if least.least(&rect) > far || -farthest.least(&rect) < near {
+            return false;
+        }
+        // Pixels on both sides of an edge are no surface in between.
+        let mut bounds = std::iter::zip(least.pixels(&rect), farthest.pixels(&rect));
+        bounds.any(|(least, farthest)| least <= far && -farthest >= near)
     }
 
-    /// Returns the image of a cube, grown by the error of the camera's pose; `None` unless all of it is before the camera.
+    /// Returns the image of a cube, grown by the error of the camera's pose; `None` if it is not certainly before the camera, unless it
+    /// is certainly too near.
+    ///
+    /// A point of the cube is its centre plus d with |d·e| ≤ h along each axis e of the cube, and its coordinate in the image differs from
+    /// that of the centre by f (d_x − t d_z)/(z + d_z) with t = x/z.
     fn image(&self, center: &Point, half_m: f64) -> Option<Image> {
         let middle = self.turn * center.coords + self.shift;
-        /// Half diagonal of a cube of half side 1.
+        /// Half diagonal of a cube of half side 1, rounded up.
         const DIAGONAL: f64 = 1.732_051;
         let error_m = self.position_error_m + self.turn_error * (middle.norm() + DIAGONAL * half_m);
         let half_m = half_m + error_m;
-        let axes = [0, 1, 2].map(|axis| self.turn.column(axis) * half_m);
-        let mut image = Image {
-            depths_m: [f64::INFINITY, f64::NEG_INFINITY],
-            across_px: [[f64::INFINITY, f64::NEG_INFINITY]; 2],
-        };
-        for corner in 0..8_u8 {
-            let mut point = middle;
-            for (axis, way) in axes.iter().enumerate() {
-                if corner >> axis & 1 == 0 { point -= way } else { point += way }
-            }
-            image.depths_m = [image.depths_m[0].min(point.z), image.depths_m[1].max(point.z)];
-            let inverse = 1.0 / point.z;
-            for axis in 0..2 {
-                let at = self.center_px[axis] + self.focal_px[axis] * point[axis] * inverse;
-                let [low, high] = &mut image.across_px[axis];
-                (*low, *high) = (low.min(at), high.max(at));
-            }
+        let row = |axis: usize| [self.turn[(axis, 0)], self.turn[(axis, 1)], self.turn[(axis, 2)]];
+        let along = row(2);
+        let depth_m = half_m * (along[0].abs() + along[1].abs() + along[2].abs());
+        let depths_m = [middle.z - depth_m, middle.z + depth_m];
+        if depths_m[0] <= 0.0 {
+            let nowhere = [[f64::NAN; 2]; 2];
+            return (depths_m[1] <= self.nearest_m).then_some(Image { depths_m, across_px: nowhere });
         }
-        (image.depths_m[0] > 0.0 || image.depths_m[1] <= self.nearest_m).then_some(image)
+        let (inverse, nearer) = (1.0 / middle.z, half_m / depths_m[0]);
+        let range = |axis: usize| {
+            let (own, slope) = (row(axis), middle[axis] * inverse);
+            let spread: f64 = (0..3).map(|edge| (own[edge] - slope * along[edge]).abs()).sum();
+            let at = self.center_px[axis] + self.focal_px[axis] * slope;
+            let beside = self.focal_px[axis] * spread * nearer;
+            [at - beside, at + beside]
+        };
+        Some(Image { depths_m, across_px: [range(0), range(1)] })
     }
 
     /// Returns the pixels within `growth_px` of an image; `None` unless all of them exist.

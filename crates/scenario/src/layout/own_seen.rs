@@ -1,0 +1,151 @@
+//! Key `seen` of a `scenario.yaml`: views of depth cameras as obstacles.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use cranny_sense::{Unseen, View, Views};
+use cranny_shape::Aabb;
+use cranny_spatial::Point;
+use schemars::JsonSchema;
+use serde::Deserialize;
+use serde_saphyr::Spanned;
+
+use crate::layout::own::Layout;
+use crate::{Scenario, ScenarioError, SeenOptions};
+
+/// Views of depth cameras as obstacles. Positions are in the frame of the robot's root.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SeenEntry {
+    /// Folder with a `views.yaml`, or such a file, relative to the folder of this file.
+    pub views: PathBuf,
+    /// Treatment of space that no camera has seen. Default: solid.
+    pub unseen: Option<UnseenName>,
+    /// Side of the smallest cells of the map (m). Default: 0.01.
+    pub cell_m: Option<f64>,
+    /// Region that is mapped; all other space is unseen. Default: 0.5 m around the robot at its start and the target.
+    pub region: Option<RegionEntry>,
+    /// Distance from the robot at its start within which unseen space counts as free (m). Default: 0.03.
+    pub robot_reach_m: Option<f64>,
+    /// The same for the floor. Default: 0.02.
+    pub floor_reach_m: Option<f64>,
+    /// Error of the pose of the target (m): surfaces and unseen cells within it are those of the target. Default: 0.002.
+    pub target_tolerance_m: Option<f64>,
+}
+
+/// Treatment of unseen space.
+#[derive(Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum UnseenName {
+    Solid,
+    Free,
+}
+
+/// Box by its least and greatest coordinates (m).
+#[derive(Clone, Copy, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RegionEntry {
+    pub low: [f64; 3],
+    pub high: [f64; 3],
+}
+
+impl SeenEntry {
+    fn options(&self) -> SeenOptions {
+        let default = SeenOptions::default();
+        let region = |RegionEntry { low, high }: RegionEntry| {
+            let (low, high) = (Point::from(low), Point::from(high));
+            Aabb { center: low + (high - low) * 0.5, half_extents: (high - low) * 0.5 }
+        };
+        SeenOptions {
+            unseen: match self.unseen {
+                Some(UnseenName::Free) => Unseen::Free,
+                Some(UnseenName::Solid) | None => Unseen::Solid,
+            },
+            cell_m: self.cell_m.unwrap_or(default.cell_m),
+            region: self.region.map(region),
+            robot_reach_m: self.robot_reach_m.unwrap_or(default.robot_reach_m),
+            floor_reach_m: self.floor_reach_m.unwrap_or(default.floor_reach_m),
+            target_tolerance_m: self.target_tolerance_m.unwrap_or(default.target_tolerance_m),
+        }
+    }
+}
+
+impl Scenario {
+    /// Returns the scenario with the views that its file names.
+    pub(crate) fn with_seen_entry(
+        self,
+        layout: &Layout<'_>,
+        entry: Option<&Spanned<SeenEntry>>,
+    ) -> Result<Self, ScenarioError> {
+        let Some(entry) = entry else { return Ok(self) };
+        let views = Views::read(&layout.folder.join(&entry.value.views))?;
+        let views: Vec<View> = views.views.into_iter().map(|stored| stored.view).collect();
+        self.with_seen(&views, &entry.value.options())
+    }
+}
+
+impl SeenOptions {
+    /// Returns the text of the key `seen` for views in the folder of the scenario; options with their defaults are left out.
+    pub(crate) fn yaml(&self) -> String {
+        let default = Self::default();
+        let mut text = "seen:\n  views: .\n".to_owned();
+        if self.unseen != default.unseen {
+            text.push_str("  unseen: free\n");
+        }
+        if let Some(region) = self.region {
+            let list = |point: Point| format!("[{}, {}, {}]", point.x, point.y, point.z);
+            let _ =
+                writeln!(text, "  region: {{low: {}, high: {}}}", list(region.low()), list(region.high()));
+        }
+        for (key, value, default) in [
+            ("cell_m", self.cell_m, default.cell_m),
+            ("robot_reach_m", self.robot_reach_m, default.robot_reach_m),
+            ("floor_reach_m", self.floor_reach_m, default.floor_reach_m),
+            ("target_tolerance_m", self.target_tolerance_m, default.target_tolerance_m),
+        ] {
+            if (value - default).abs() > 0.0 {
+                let _ = writeln!(text, "  {key}: {value}");
+            }
+        }
+        text
+    }
+
+    /// Writes what is known of a scenario beside views in this folder: robot, start, target, grasps and floor, with the views as
+    /// obstacles.
+    ///
+    /// # Errors
+    /// As [`Scenario::write_folder`].
+    pub fn write_scenario(&self, scenario: &Scenario, folder: &std::path::Path) -> Result<(), ScenarioError> {
+        let hidden = scenario.with_known_bodies_only()?;
+        let mut recipe = crate::Recipe::of_scenario(&hidden)?;
+        recipe.title = format!("scenario {} as cameras see it", scenario.id);
+        recipe.write_folder(folder)?;
+        crate::files::atomic_file::write_into(
+            folder,
+            crate::layout::own::FILE,
+            format!("{}{}", recipe.yaml(), self.yaml()),
+        )
+    }
+}
+
+impl Scenario {
+    /// Returns the scenario without its obstacles, and without what refers to them: tasks, places, physics and colours.
+    fn with_known_bodies_only(&self) -> Result<Self, ScenarioError> {
+        let is_floor =
+            |body: usize| self.world.bodies()[body].parts.iter().all(|part| part.solid.is_half_space());
+        let is_known = |body: &usize| self.target == Some(*body) || is_floor(*body);
+        let kept = (0..self.world.bodies().len()).filter(is_known);
+        let bodies = kept.map(|body| self.world.bodies()[body].clone()).collect();
+        Ok(Self {
+            world: self.world.with_bodies(bodies)?,
+            target: self.target.map(|_| 0),
+            ik: Vec::new(),
+            places: Vec::new(),
+            tasks: Vec::new(),
+            physics: std::collections::BTreeMap::new(),
+            export: None,
+            seen: None,
+            ..self.clone()
+        })
+    }
+}

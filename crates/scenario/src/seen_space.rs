@@ -1,0 +1,124 @@
+//! Scenarios whose obstacles are what cameras have seen.
+
+use std::sync::Arc;
+
+use cranny_sense::{KnownBody, SeenMap, SeenSettings, SensorModel, Unseen, View};
+use cranny_shape::{Aabb, Solid};
+use cranny_spatial::{Point, Pose, Vector};
+
+use crate::{Scenario, ScenarioError};
+
+/// Space that cameras have seen, as obstacles of a scenario.
+#[derive(Clone, Debug)]
+pub struct SeenSpace {
+    /// Map of the space.
+    pub map: Arc<SeenMap>,
+    /// Sensors of the views, in order.
+    pub sensors: Vec<SensorModel>,
+    /// Options with which the map was made.
+    pub options: SeenOptions,
+}
+
+/// Options of a map of the space that cameras have seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeenOptions {
+    /// Treatment of unseen space.
+    pub unseen: Unseen,
+    /// Side of the smallest cells, in metres.
+    pub cell_m: f64,
+    /// Region that is mapped, in the planning frame; `None`: around robot, target and the space between them.
+    pub region: Option<Aabb>,
+    /// Distance from the robot at its start within which unseen space counts as free, in metres.
+    pub robot_reach_m: f64,
+    /// The same for the floor.
+    pub floor_reach_m: f64,
+    /// Error of the pose of the target, in metres: measured surfaces and unseen cells within it are those of the target.
+    pub target_tolerance_m: f64,
+}
+
+impl Default for SeenOptions {
+    /// Cells of 1 cm; the robot's shell covers the noise of a camera in front of its links.
+    fn default() -> Self {
+        Self {
+            unseen: Unseen::Solid,
+            cell_m: 0.01,
+            region: None,
+            robot_reach_m: 0.03,
+            floor_reach_m: 0.02,
+            target_tolerance_m: 0.002,
+        }
+    }
+}
+
+/// Error of the pose of the robot's links at the start, in metres.
+const ROBOT_TOLERANCE_M: f64 = 0.005;
+
+/// Space around robot and target that is mapped by default, in metres.
+const AROUND_M: f64 = 0.5;
+
+impl Scenario {
+    /// Returns the scenario with a map of the space that these views show as further obstacles: `occupied` and `unseen`. The robot at
+    /// its start, the target and the floor are cut out.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Sense`] for options out of range or a body that cannot be rendered, [`ScenarioError::BodyName`] if the scenario
+    /// has a body of one of these names.
+    pub fn with_seen(&self, views: &[View], options: &SeenOptions) -> Result<Self, ScenarioError> {
+        for (property, value) in [
+            ("robot_reach_m", options.robot_reach_m),
+            ("floor_reach_m", options.floor_reach_m),
+            ("target_tolerance_m", options.target_tolerance_m),
+        ] {
+            if !(0.0..=0.2).contains(&value) {
+                return Err(ScenarioError::SeenOption { property, value });
+            }
+        }
+        let frames = self.robot.frames_at(&self.start);
+        let links = self.robot.links().iter().enumerate().flat_map(|(index, link)| {
+            let world_from_link = *frames.link(index);
+            link.collisions
+                .iter()
+                .map(move |shape| (world_from_link * shape.link_from_shape, shape.solid.clone()))
+        });
+        let known = |name: &str, solids: Vec<(Pose, Solid)>, tolerance_m: f64, reach_m: f64| KnownBody {
+            name: name.to_owned(),
+            solids,
+            tolerance_m,
+            reach_m,
+        };
+        let mut bodies = vec![known("robot", links.collect(), ROBOT_TOLERANCE_M, options.robot_reach_m)];
+        let solids_of = |body: usize| -> Vec<(Pose, Solid)> {
+            let parts = self.world.bodies()[body].parts.iter();
+            parts.map(|part| (part.world_from_solid, part.solid.clone())).collect()
+        };
+        if let Some(target) = self.target {
+            let tolerance_m = options.target_tolerance_m;
+            bodies.push(known("target", solids_of(target), tolerance_m, tolerance_m));
+        }
+        let is_floor =
+            |body: usize| self.world.bodies()[body].parts.iter().all(|part| part.solid.is_half_space());
+        if let Some(floor) = (0..self.world.bodies().len()).find(|body| is_floor(*body)) {
+            bodies.push(known("floor", solids_of(floor), 0.0, options.floor_reach_m));
+        }
+        let region = options.region.unwrap_or_else(|| self.region_of_interest(&bodies));
+        let settings = SeenSettings { region, cell_m: options.cell_m, unseen: options.unseen };
+        let map = SeenMap::new(views, &bodies, settings)?;
+        let mut seen = self.clone();
+        for body in map.bodies()? {
+            seen = seen.with_body(body)?;
+        }
+        let sensors = views.iter().map(|view| view.sensor).collect();
+        Ok(Self { seen: Some(SeenSpace { map: Arc::new(map), sensors, options: options.clone() }), ..seen })
+    }
+
+    /// Returns the box around the robot at its start and the target, with space around it, down to the floor.
+    fn region_of_interest(&self, known: &[KnownBody]) -> Aabb {
+        let solids = known.iter().flat_map(|body| &body.solids).filter(|(_, solid)| !solid.is_half_space());
+        let boxes = solids.map(|(pose, solid)| solid.aabb().transformed(pose));
+        let corners: Vec<Point> = boxes.flat_map(|aabb| [aabb.low(), aabb.high()]).collect();
+        if corners.is_empty() {
+            return Aabb { center: Point::origin(), half_extents: Vector::repeat(AROUND_M) };
+        }
+        Aabb::around(&corners, AROUND_M)
+    }
+}
