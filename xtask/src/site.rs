@@ -39,6 +39,7 @@ const SUMMARY: &str = "# Summary
 - [Carrying things out](docs/carrying_out.md)
 - [Putting things down](docs/placing.md)
 - [Motions for a robot](docs/motions.md)
+- [Depth cameras and point clouds](docs/sensing.md)
 - [C and C++](docs/cpp.md)
 - [Physics](docs/physics.md)
 - [ROS and MoveIt](docs/ros.md)

@@ -55,6 +55,8 @@ pub enum FileKind {
     Views,
     /// Array of `NumPy`.
     Npy,
+    /// Point cloud of the Point Cloud Library.
+    Pcd,
     /// Partial result of a computation that was stopped.
     Unfinished,
 }
@@ -92,6 +94,7 @@ impl FileKind {
             Self::Certificate => "certificate",
             Self::Views => "file of views",
             Self::Npy => "NumPy array",
+            Self::Pcd => "PCD point cloud",
             Self::Unfinished => "finished part of a stopped command",
         }
     }
@@ -133,6 +136,7 @@ impl FileKind {
             Self::Mjcf => text.starts_with("<mujoco"),
             Self::Certificate => text.starts_with("cranny-certificate/"),
             Self::Views => text.starts_with("format: cranny-views/"),
+            Self::Pcd => text.starts_with("# .PCD"),
             Self::Npy => head.starts_with(b"\x93NUMPY"),
             Self::Manual => text.starts_with('.') && text.contains(".TH cranny"),
             Self::Unfinished => is_object_with(&["format"]) && text.contains("\"cranny-unfinished/"),

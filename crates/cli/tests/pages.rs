@@ -179,6 +179,7 @@ pages! {
     placing: "docs/placing.md",
     robots: "docs/robots.md",
     ros: "docs/ros.md",
+    sensing: "docs/sensing.md",
     your_campaign: "docs/your_campaign.md",
     your_object: "docs/your_object.md",
     your_planner: "docs/your_planner.md",

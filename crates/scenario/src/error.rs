@@ -141,6 +141,14 @@ pub enum ScenarioError {
         /// Description of the fault, with a hint.
         problem: String,
     },
+    /// An octomap of a message is invalid.
+    #[error("{at}: the octomap cannot be read: {problem}")]
+    Octomap {
+        /// Location in the file.
+        at: Location,
+        /// Description of the fault.
+        problem: String,
+    },
     /// A colour in a file is invalid.
     #[error("{at}: a colour is red, green and blue, each from 0 to 1, not {colour:?}")]
     Colour {
@@ -230,7 +238,7 @@ pub enum ScenarioError {
     },
     /// A shape entry is not exactly one shape.
     #[error(
-        "{at}: a shape is exactly one of box, sphere, cylinder, capsule, mesh, hull, but {actual} of them are \
+        "{at}: a shape is exactly one of box, sphere, cylinder, capsule, mesh, hull, cloud, but {actual} of them are \
          given"
     )]
     ShapeCount {

@@ -9,6 +9,7 @@ pub(crate) mod form;
 pub(crate) mod frames;
 pub(crate) mod matrix;
 pub(crate) mod message_file;
+pub(crate) mod octomap;
 pub(crate) mod path_constraints;
 pub(crate) mod problem;
 pub(crate) mod request;

@@ -235,7 +235,7 @@ fn path_constraints_that_cannot_be_kept_are_refused_by_name() {
 fn what_a_message_holds_and_is_not_read_is_refused_by_name() {
     let folder = Folder::new();
     for (file, from, to, fault) in [
-        ("scene.yaml", "data: []", "data: [1, 2]", "an octomap is not supported"),
+        ("scene.yaml", "data: []", "data: [1, 2]", "an octomap with probabilities is not supported"),
         ("scene.yaml", "planes: []", "planes: [{coef: [0, 0, 1, 0]}]", "a plane"),
         ("scene.yaml", "type: box", "type: 5", "unknown primitive 'prism'"),
         ("scene.yaml", "operation: 0", "operation: 2", "a change to an object"),

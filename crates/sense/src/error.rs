@@ -74,6 +74,19 @@ pub enum SenseError {
         /// Name of the body.
         name: String,
     },
+    /// There is no surface to sample.
+    #[error("there is no surface of finite area to sample points on")]
+    NoArea,
+    /// A setting of a filter is out of its range.
+    #[error("the {property} of a filter must be {range}, but is {value}")]
+    Filter {
+        /// Name of the property, with its unit.
+        property: &'static str,
+        /// The invalid value.
+        value: f64,
+        /// Valid range.
+        range: &'static str,
+    },
     /// A scene has more bodies than a segment image can number.
     #[error("a rendered scene has at most {most} bodies, but this one has {actual}")]
     TooManyBodies {

@@ -1,11 +1,14 @@
 #![doc = include_str!("../README.md")]
 
 mod camera;
+mod cloud;
 mod default_cameras;
 mod depth_image;
 mod error;
 mod files;
+mod filter;
 mod noise;
+mod octree;
 mod rendering;
 mod scene;
 mod seen;
@@ -13,6 +16,10 @@ mod sensor_model;
 mod view;
 
 pub use camera::{Camera, MOST_SIDE_PX};
+pub use cloud::cloud_file::ReadCloud;
+pub use cloud::message::{CloudField, CloudMessage};
+pub use cloud::point_cloud::PointCloud;
+pub use cloud::surface_samples::sample_surfaces;
 pub use default_cameras::{DefaultCameras, default_cameras};
 pub use depth_image::DepthImage;
 pub use error::SenseError;
@@ -20,7 +27,9 @@ pub use files::camera_file::{CameraFile, PlacedCamera};
 pub use files::camera_frame::CameraFrame;
 pub use files::depth_format::DepthFormat;
 pub use files::views::{NamedFile, StoredView, VIEWS_FILE, Views};
+pub use filter::near_solids::{Cleared, robot_solids};
 pub use noise::{Noise, noisy};
+pub use octree::Octree;
 pub use rendering::render::Render;
 pub use scene::{Segment, SegmentKind, SensedScene};
 pub use seen::known_solids::KnownBody;

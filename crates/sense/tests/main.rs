@@ -1,5 +1,6 @@
 //! Tests of depth images, point clouds and their files.
 
+mod clouds;
 mod measuring;
 mod rendering;
 mod seen;

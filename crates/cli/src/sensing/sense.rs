@@ -6,7 +6,9 @@ use cranny_file::counted;
 use cranny_scenario::{
     OpenOptions, Scenario, SeenOptions, check_free_folder, write_whole_file, write_whole_folder,
 };
-use cranny_sense::{CameraFile, DepthFormat, Noise, PlacedCamera, SensedScene, StoredView, Unseen, Views};
+use cranny_sense::{
+    CameraFile, DepthFormat, NamedFile, Noise, PlacedCamera, SensedScene, StoredView, Unseen, Views,
+};
 use cranny_spatial::other_seed;
 use serde::Serialize;
 
@@ -23,7 +25,7 @@ use crate::{Answer, output_file, progress, text};
   cranny sense 021 --default-cameras 2 -o views
   cranny sense 021 --cameras cameras.yaml -o views
   cranny sense 021 --cameras cameras.yaml --noise-seed 7 -o views
-  cranny sense 021 --default-cameras 1 --format npy -o views
+  cranny sense 021 --default-cameras 1 --format npy --clouds -o views
   cranny sense 021 --default-cameras 2 --noise-seed 1 --scenario -o seen && cranny plan seen -o plan.json
   cranny verify 021 plan.json
 
@@ -64,6 +66,9 @@ pub struct SenseArguments {
     /// Share of pixels at random places without a depth [default: 0]
     #[arg(long, value_name = "SHARE", requires = "noise_seed", value_parser = share)]
     pub dropouts: Option<f64>,
+    /// Also write the points of each view in the frame of the robot's root link (NAME.pcd)
+    #[arg(long)]
+    pub clouds: bool,
     /// Write a scenario, as a new folder: robot, start, target, grasps and floor, with the views as obstacles
     #[arg(long)]
     pub scenario: bool,
@@ -137,7 +142,13 @@ pub fn run(arguments: &SenseArguments, output: Output) -> Result<Answer, Failure
         FormatArgument::Png => DepthFormat::Png,
         FormatArgument::Npy => DepthFormat::Npy,
     };
-    let files = views.files(format)?;
+    let mut files = views.files(format)?;
+    if arguments.clouds {
+        files.extend(views.views.iter().map(|StoredView { view, .. }| NamedFile {
+            name: format!("{}.pcd", view.name),
+            content: view.cloud().pcd_bytes(),
+        }));
+    }
     let files = if arguments.scenario {
         let unseen = match arguments.unseen {
             Some(UnseenArgument::Free) => Unseen::Free,
@@ -160,10 +171,11 @@ pub fn run(arguments: &SenseArguments, output: Output) -> Result<Answer, Failure
     Ok(Answer::Done)
 }
 
-fn named(file: cranny_sense::NamedFile) -> output_file::NamedFile {
+fn named(file: NamedFile) -> output_file::NamedFile {
     let kind = match file.name.rsplit_once('.') {
         Some((_, "png")) => FileKind::Png,
         Some((_, "npy")) => FileKind::Npy,
+        Some((_, "pcd")) => FileKind::Pcd,
         _ => FileKind::Views,
     };
     output_file::NamedFile { name: file.name, kind, content: file.content }

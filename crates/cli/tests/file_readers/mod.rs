@@ -17,6 +17,7 @@ use cranny_scenario::{
     Credits, MoveItOptions, MoveItProblem, MoveItRobot, ObjectType, OpenOptions, Scenario, check_folder,
     moveit_document, pack, read_gripper, unpack,
 };
+use cranny_sense::{CameraFile, Octree, PointCloud, StoredView, Views};
 use cranny_shape::{RepairedMesh, Solid, TriangleSoup};
 use cranny_spatial::Vector;
 use cranny_task::Stage;
@@ -37,7 +38,7 @@ const fn reader(name: &'static str, file: &'static str, read: fn(&Path)) -> File
 }
 
 /// All readers.
-pub const FILE_READERS: [FileReader; 34] = [
+pub const FILE_READERS: [FileReader; 40] = [
     reader("urdf", "robot/arm.urdf", read_robot),
     reader("mjcf", "model/arm.xml", |folder| read_model(&folder.join("model/arm.xml"))),
     reader("sdf", "model/arm.sdf", |folder| read_model(&folder.join("model/arm.sdf"))),
@@ -100,8 +101,32 @@ pub const FILE_READERS: [FileReader; 34] = [
     }),
     reader("released_answer", "trial.txt", read_released_answer),
     reader("results", "results.changes", stored_results::read),
+    reader("cameras", "sense/cameras.yaml", |folder| {
+        let _ = CameraFile::read(&folder.join("sense/cameras.yaml"));
+    }),
+    reader("views", "sense/views.yaml", read_views),
+    reader("depth_image", "sense/left.depth.png", read_views),
+    reader("cloud_pcd", "sense/cloud.pcd", |folder| read_cloud(&folder.join("sense/cloud.pcd"))),
+    reader("cloud_ply", "sense/cloud.ply", |folder| read_cloud(&folder.join("sense/cloud.ply"))),
+    reader("octree", "sense/octree.bt", |folder| {
+        let _ = Octree::read(&folder.join("sense/octree.bt"));
+    }),
     reader("question", "question.json", asked_page::ask),
 ];
+
+fn read_views(folder: &Path) {
+    if let Ok(views) = Views::read(&folder.join("sense")) {
+        for StoredView { view, .. } in &views.views {
+            let _ = view.cloud().thinned(0.01);
+        }
+    }
+}
+
+fn read_cloud(path: &Path) {
+    if let Ok(read) = PointCloud::read(path) {
+        let _ = read.cloud.thinned(0.001);
+    }
+}
 
 fn import(path: &Path) {
     let _ = import_grasps(path, &ImportSettings::default());

@@ -6,14 +6,15 @@ use cranny_collision::{Body, Part, World};
 use cranny_file::{TABLE, TEXT, did_you_mean};
 use cranny_grasp::{GraspError, GraspSet, parse_csv};
 use cranny_robot::{JointGroup, Location, Robot, RobotOptions, TextSource};
-use cranny_shape::{ShapeError, Solid, TriangleSoup};
+use cranny_sense::PointCloud;
+use cranny_shape::{BoxUnion, ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{EXACT_ROTATION_RAD, Pose, Rotation, Vector};
 use cranny_task::{PlaceGoal, PlaceRegion};
 use serde_saphyr::Spanned;
 
 use crate::files::{number_table, sizes, yaml};
 use crate::layout::own_file::{
-    BodyEntry, MeshEntry, PlaceEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry,
+    BodyEntry, CloudEntry, MeshEntry, PlaceEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry,
 };
 use crate::robot::file;
 use crate::scenario::in_frame;
@@ -90,6 +91,7 @@ pub(crate) fn open_texts(
     let (mut target_source, mut given_physics) = (None, TargetPhysics::default());
     if let Some(entry) = &file.target {
         layout.check_name(entry, &mut names)?;
+        layout.refuse_cloud(entry)?;
         given_physics = layout.physics_of(entry)?;
         let (body, source) = layout.body(entry, &planning_from_scene, Solid::mesh)?;
         target_source = source;
@@ -414,7 +416,7 @@ impl Layout<'_> {
         body: &str,
         of_mesh: SolidOfMesh,
     ) -> Result<(Solid, Option<ObjectSource>), ScenarioError> {
-        let ShapeEntry { cuboid, sphere, cylinder, capsule, mesh, hull, object, .. } = &shape.value;
+        let ShapeEntry { cuboid, sphere, cylinder, capsule, mesh, hull, object, cloud, .. } = &shape.value;
         let at = self.at(shape.referenced);
         let mut solids: Vec<Result<Solid, ShapeError>> = Vec::new();
         solids.extend(cuboid.iter().map(|entry| sizes::cuboid(entry.size)));
@@ -427,6 +429,9 @@ impl Layout<'_> {
         let source = object.as_ref().map(|name| self.object(name)).transpose().map_err(in_file)?;
         if let Some(source) = &source {
             solids.push(Ok(source.solid().map_err(in_file)?));
+        }
+        if let Some(entry) = cloud {
+            solids.push(Ok(self.cloud(entry).map_err(in_file)?));
         }
         match (solids.pop(), solids.len()) {
             (Some(solid), 0) => match solid {
@@ -446,6 +451,30 @@ impl Layout<'_> {
             return Ok(ObjectType::read_folder(&folder)?.into());
         }
         ObjectSource::builtin(name)
+    }
+
+    /// Returns the balls around the points of a cloud. If voxels leave points out, the others cover them.
+    fn cloud(&self, entry: &CloudEntry) -> Result<Solid, ScenarioError> {
+        let CloudEntry { file, radius_m, voxel_m } = entry;
+        let path = self.folder.join(file);
+        let cloud = PointCloud::read(&path)?.cloud;
+        let union = match voxel_m {
+            Some(side_m) => {
+                let diagonal_m = 3_f64.sqrt() * side_m;
+                BoxUnion::of_points(&cloud.thinned(*side_m)?.points, radius_m + diagonal_m)
+            }
+            None => BoxUnion::of_points(&cloud.points, *radius_m),
+        };
+        Ok(Solid::union(union.map_err(|fault| fault.in_file(&path))?))
+    }
+
+    /// Refuses a cloud as the target: it has no surface to grasp.
+    pub fn refuse_cloud(&self, target: &BodyEntry) -> Result<(), ScenarioError> {
+        let Some(shape) = target.shapes.iter().find(|shape| shape.value.cloud.is_some()) else {
+            return Ok(());
+        };
+        let (what, hint) = ("a cloud of points as the target", "give its mesh, at its pose");
+        Err(ScenarioError::Unsupported { at: self.at(shape.referenced), what, hint })
     }
 
     fn solid_of_file(

@@ -266,6 +266,8 @@ pub(crate) struct ShapeEntry {
     pub capsule: Option<RoundEntry>,
     pub mesh: Option<MeshEntry>,
     pub hull: Option<MeshEntry>,
+    /// Points of a cloud, each a ball; for obstacles only.
+    pub cloud: Option<CloudEntry>,
     /// Built-in object (see `cranny object list`), or folder of an object.
     pub object: Option<String>,
     /// Colour in pictures: red, green and blue, 0 to 1 (sRGB). Default: that of the mesh file or the object, if it has one.
@@ -298,6 +300,17 @@ pub(crate) struct RoundEntry {
 pub(crate) struct MeshEntry {
     pub file: PathBuf,
     pub scale: Option<f64>,
+}
+
+/// Cloud of a file: PLY, PCD or `NumPy` array.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CloudEntry {
+    pub file: PathBuf,
+    /// Radius of the ball around each point: the noise, and half of the distance between points.
+    pub radius_m: f64,
+    /// Side of voxels of which one point each is kept; their diagonal is added to the radius.
+    pub voxel_m: Option<f64>,
 }
 
 /// Spelling of a criterion in files.

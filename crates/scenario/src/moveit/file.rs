@@ -57,8 +57,9 @@ pub(crate) struct WorldEntry {
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct OctomapEntry {
-    header: Passed,
-    origin: Passed,
+    pub header: Option<HeaderEntry>,
+    /// Pose of the tree in that frame.
+    pub origin: Option<Spanned<PoseEntry>>,
     pub octomap: Option<OctreeEntry>,
 }
 
@@ -67,9 +68,10 @@ pub(crate) struct OctomapEntry {
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct OctreeEntry {
     header: Passed,
-    binary: Passed,
-    id: Passed,
-    resolution: Passed,
+    pub binary: Option<bool>,
+    /// Class of the tree.
+    pub id: Option<String>,
+    pub resolution: Option<Spanned<f64>>,
     pub data: Option<OctreeData>,
 }
 

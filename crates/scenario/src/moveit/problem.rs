@@ -85,7 +85,7 @@ impl MoveItProblem {
     ///
     /// # Errors
     /// [`ScenarioError`], with file and line if there are any; among them [`ScenarioError::Unsupported`] for content that would
-    /// change the problem but is not supported (cones, planes, octomaps, attached objects, padding, constraints other than
+    /// change the problem but is not supported (cones, planes, octomaps with probabilities, attached objects, padding, constraints other than
     /// joint goals).
     pub fn open(scene: &Path, request: &Path, options: &MoveItOptions) -> Result<Self, ScenarioError> {
         let files = Files::new(MessageFile::read(scene)?, MessageFile::read(request)?)?;

@@ -9,9 +9,10 @@ use serde_saphyr::Spanned;
 use crate::MoveItError;
 use crate::ScenarioError;
 use crate::files::sizes;
-use crate::moveit::file::{MeshEntry, ObjectEntry, OctreeData, PrimitiveEntry, SceneFile, TriangleEntry};
+use crate::moveit::file::{MeshEntry, ObjectEntry, PrimitiveEntry, SceneFile, TriangleEntry};
 use crate::moveit::frames::Frames;
 use crate::moveit::message_file::MessageFile;
+use crate::moveit::octomap::octomap_body;
 
 /// Returns the bodies of a scene, in the root frame of the robot; `world_from_root` is the pose of the robot.
 pub(crate) fn bodies(
@@ -34,6 +35,9 @@ pub(crate) fn bodies(
             frames.find(file, &object.header)? * file.optional_pose(object.pose.as_ref())?;
         bodies.push(file.body(object, &root_from_object)?);
     }
+    if let Some(octomap) = &world.octomap {
+        bodies.extend(octomap_body(file, &frames, octomap)?);
+    }
     for Body { name, parts, tilt_rad } in &world.text_bodies {
         let placed = |part: &Part| Part {
             world_from_solid: frames.planning() * part.world_from_solid,
@@ -54,21 +58,6 @@ impl MessageFile {
         if let Some(is_diff) = scene.is_diff.as_ref().filter(|is_diff| is_diff.value) {
             let hint = "give the whole scene, with is_diff: false";
             return Err(self.unsupported(is_diff.referenced, "a change to another scene", hint));
-        }
-        if let Some(octomap) = scene.world.as_ref().and_then(|world| world.octomap.as_ref()) {
-            let data = octomap.value.octomap.as_ref().and_then(|octree| octree.data.as_ref());
-            let is_empty = match data {
-                None => true,
-                Some(OctreeData::List(bytes)) => bytes.is_empty(),
-                Some(OctreeData::Text(text)) => text.is_empty(),
-            };
-            if !is_empty {
-                return Err(self.unsupported(
-                    octomap.referenced,
-                    "an octomap",
-                    "give its obstacles as objects",
-                ));
-            }
         }
         let attached = &scene.robot_state.attached_collision_objects;
         self.refuse(attached, "an attached object", "add it to the URDF")?;

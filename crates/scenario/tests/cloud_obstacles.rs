@@ -1,0 +1,78 @@
+//! Clouds of points as obstacles.
+
+use std::fs;
+use std::path::Path;
+
+use cranny_scenario::{OpenOptions, Scenario};
+use cranny_sense::PointCloud;
+use cranny_spatial::Point;
+
+const BEGIN: &str = "robot: panda_mobile
+start: [0, 0, -0.0178, -0.7601, 0.0198, -2.3421, 0.0298, 1.5412, 0.7534]
+floor: -0.05
+frame: {position: [0, 1, 0]}
+target: {name: can, pose: {position: [0.5, 0, 0.3]}, shapes: [cylinder: {radius: 0.03, length: 0.1}]}
+";
+
+const POINTS: [[f32; 3]; 3] = [[1.0, 0.0, 0.5], [1.001, 0.0, 0.5], [1.0, 0.5, 0.25]];
+
+fn open(folder: &Path, text: &str) -> Result<Scenario, String> {
+    fs::write(folder.join("shelf.pcd"), PointCloud::of(POINTS.to_vec()).pcd_bytes()).unwrap();
+    fs::write(folder.join("scenario.yaml"), format!("{BEGIN}{text}")).unwrap();
+    Scenario::open(folder.to_str().unwrap(), &OpenOptions::default()).map_err(|fault| fault.to_string())
+}
+
+fn obstacle(cloud: &str) -> String {
+    format!(
+        "obstacles:\n  - {{name: shelf, pose: {{position: [0, 0, 0.1]}}, shapes: [cloud: {{{cloud}}}]}}\n"
+    )
+}
+
+#[test]
+fn a_cloud_is_a_ball_around_each_point_at_its_pose() {
+    let folder = tempfile::tempdir().unwrap();
+    for (keys, count, radius_m) in [
+        ("file: shelf.pcd, radius_m: 0.004", 3, 0.004),
+        // The two near points share a voxel.
+        ("file: shelf.pcd, radius_m: 0.004, voxel_m: 0.01", 2, 0.004 + 0.01 * 3_f64.sqrt()),
+    ] {
+        let scenario = open(folder.path(), &obstacle(keys)).unwrap();
+        let part = &scenario.world.bodies()[0].parts[0];
+        let union = part.solid.as_union().unwrap();
+        assert_eq!(union.len(), count);
+        assert!((union.radius_m() - radius_m).abs() < 1e-12);
+        let nearest_m = |point: Point| {
+            union.boxes().map(|aabb| (part.world_from_solid * aabb.center - point).norm()).fold(1.0, f64::min)
+        };
+        // The root of the robot is at (0, 1, 0) in the scene.
+        assert!(nearest_m(Point::new(1.0, -1.0, 0.6)) < 1e-6);
+        assert!(nearest_m(Point::new(1.0, -0.5, 0.35)) < 1e-6);
+    }
+}
+
+#[test]
+fn clouds_that_are_no_obstacles_are_refused_with_their_line() {
+    let folder = tempfile::tempdir().unwrap();
+    for (text, words) in [
+        (obstacle("file: shelf.pcd, radius_m: 0"), "scenario.yaml:7: "),
+        (obstacle("file: shelf.pcd, radius_m: 0"), "the radius of the points of a cloud"),
+        (obstacle("file: shelf.pcd"), "missing field `radius_m`"),
+        (obstacle("file: lost.pcd, radius_m: 0.004"), "scenario.yaml:7: "),
+        (obstacle("file: lost.pcd, radius_m: 0.004"), "file not found; did you mean"),
+        (obstacle("file: scenario.yaml, radius_m: 0.004"), "no point cloud that is read"),
+        (
+            obstacle("file: shelf.pcd, radius_m: 0.004, voxel_m: -1"),
+            "the side of a voxel, in metres, of a filter must be positive",
+        ),
+    ] {
+        let fault = open(folder.path(), &text).unwrap_err();
+        assert!(fault.contains(words), "no '{words}' in: {fault}");
+    }
+    fs::write(folder.path().join("scenario.yaml"), "").unwrap();
+    let target =
+        BEGIN.replace("cylinder: {radius: 0.03, length: 0.1}", "cloud: {file: shelf.pcd, radius_m: 0.004}");
+    fs::write(folder.path().join("scenario.yaml"), target).unwrap();
+    let fault =
+        Scenario::open(folder.path().to_str().unwrap(), &OpenOptions::default()).unwrap_err().to_string();
+    assert!(fault.contains(":5: a cloud of points as the target is not supported (give its mesh"), "{fault}");
+}

@@ -1,0 +1,16 @@
+//! Point clouds and their files.
+
+mod ascii_rows;
+mod back_projection;
+pub(crate) mod cloud_file;
+mod collector;
+mod lzf;
+pub(crate) mod message;
+mod npy;
+mod number;
+mod pcd;
+mod pcd_header;
+mod ply;
+pub(crate) mod point_cloud;
+mod row;
+pub(crate) mod surface_samples;

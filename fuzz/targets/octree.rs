@@ -1,0 +1,3 @@
+#![no_main]
+
+cranny_fuzz::fuzz_reader!("octree");
