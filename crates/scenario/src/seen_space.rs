@@ -43,8 +43,8 @@ impl Default for SeenOptions {
             unseen: Unseen::Solid,
             cell_m: 0.01,
             region: None,
-            robot_reach_m: 0.03,
-            floor_reach_m: 0.02,
+            robot_reach_m: 0.06,
+            floor_reach_m: 0.06,
             target_tolerance_m: 0.002,
         }
     }

@@ -2,6 +2,8 @@ use cranny_sense::{
     Camera, CameraFrame, DefaultCameras, PlacedCamera, SensedScene, SensorModel, default_cameras,
 };
 
+use cranny_shape::Ball;
+
 use crate::{Scenario, ScenarioError};
 
 impl Scenario {
@@ -33,7 +35,16 @@ impl Scenario {
             return Err(ScenarioError::NoTarget { id: self.id.clone() });
         };
         let tool = self.robot.frames_at(&self.start).link(self.robot.tip()).translation.vector.into();
-        let request = DefaultCameras::new(count, number, ball.center, tool, self.world.up());
+        let frames = self.robot.frames_at(&self.start);
+        let links = self.robot.links().iter().enumerate().flat_map(|(index, link)| {
+            let world_from_link = *frames.link(index);
+            link.collisions.iter().map(move |shape| {
+                let ball = shape.solid.ball();
+                Ball { center: world_from_link * shape.link_from_shape * ball.center, ..*ball }
+            })
+        });
+        let request =
+            DefaultCameras::new(count, number, [ball.center, tool], links.collect(), self.world.up());
         let placed = |(index, camera): (usize, Camera)| PlacedCamera {
             name: format!("camera{}", index + 1),
             frame: CameraFrame::World,

@@ -1,5 +1,6 @@
 use std::f64::consts::TAU;
 
+use cranny_shape::Ball;
 use cranny_spatial::{Point, Stream, Vector};
 
 use crate::{Camera, SenseError, SensedScene};
@@ -19,21 +20,33 @@ pub struct DefaultCameras {
     pub aim: Point,
     /// Position of the tool at the start, in the planning frame; the space between it and the target is to be seen too.
     pub tool: Point,
+    /// Balls around the links of the robot at the start, in the planning frame: the space between them and the target is to be seen
+    /// too.
+    pub links: Vec<Ball>,
     /// Direction against gravity in the planning frame, a unit vector.
     pub up: Vector,
 }
 
 impl DefaultCameras {
     /// Request for cameras of 320 × 240 pixels.
-    pub fn new(count: usize, target: u16, aim: Point, tool: Point, up: Vector) -> Self {
-        Self { count, size_px: [320, 240], field_of_view_rad: 70_f64.to_radians(), target, aim, tool, up }
+    pub fn new(count: usize, target: u16, [aim, tool]: [Point; 2], links: Vec<Ball>, up: Vector) -> Self {
+        Self {
+            count,
+            size_px: [320, 240],
+            field_of_view_rad: 70_f64.to_radians(),
+            target,
+            aim,
+            tool,
+            links,
+            up,
+        }
     }
 }
 
 /// Candidates: turns about the vertical through the target, rises above the horizontal (degrees), distances (m).
 const TURNS: u32 = 16;
 const RISES_DEG: [f64; 4] = [8.0, 22.0, 40.0, 65.0];
-const DISTANCES_M: [f64; 4] = [0.45, 0.7, 1.0, 1.4];
+const DISTANCES_M: [f64; 5] = [0.45, 0.7, 1.0, 1.5, 2.1];
 
 /// Width and height of the image by which a candidate is judged, in pixels.
 const TRIAL_PX: [usize; 2] = [64, 48];
@@ -46,7 +59,7 @@ const LEAST_ROOM_M: f64 = 0.1;
 
 /// Number of points whose visibility is counted, and radius of the ball around the target or the way to it that holds them, in
 /// metres.
-const POINTS: usize = 600;
+const POINTS: usize = 900;
 const RADIUS_M: f64 = 0.35;
 
 /// Depth from which a point is seen sharply enough for a hand beside it, in metres.
@@ -142,21 +155,28 @@ fn eyes(request: &DefaultCameras) -> impl Iterator<Item = Point> {
     })
 }
 
-/// Points near the target and between it and the tool.
+/// Points near the target, between it and the tool, and where links come along if they move towards it.
 fn points_of_interest(request: &DefaultCameras) -> Vec<Point> {
     let mut random = Stream::new(0, 0);
     let way = request.tool - request.aim;
+    let level = request.up * way.dot(&request.up) - way;
+    let within = |radius_m: f64, random: &mut Stream| loop {
+        let drawn = Vector::from_fn(|_, _| random.uniform_between(-1.0, 1.0));
+        if drawn.norm() <= 1.0 {
+            break drawn * radius_m;
+        }
+    };
     (0..POINTS)
         .map(|index| {
-            let offset = loop {
-                let drawn = Vector::from_fn(|_, _| random.uniform_between(-RADIUS_M, RADIUS_M));
-                if drawn.norm() <= RADIUS_M {
-                    break drawn;
+            let share = random.uniform();
+            match index % 3 {
+                0 => request.aim + within(RADIUS_M, &mut random),
+                1 if !request.links.is_empty() => {
+                    let Ball { center, radius_m } = request.links[random.index(request.links.len())];
+                    center + level * share + within(radius_m, &mut random)
                 }
-            };
-            // Half of the points lie around the target.
-            let share = if index % 2 == 0 { 0.0 } else { random.uniform() };
-            request.aim + way * share + offset
+                _ => request.aim + way * share + within(RADIUS_M, &mut random),
+            }
         })
         .collect()
 }

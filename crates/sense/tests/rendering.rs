@@ -163,7 +163,9 @@ fn default_cameras_look_through_the_opening() {
     let scene = scene(bodies);
     let number = scene.number_of_body("target").unwrap();
     let tool = Point::new(-1.0, 0.0, 0.8);
-    let request = |count| DefaultCameras::new(count, number, Point::new(0.0, 0.0, 0.05), tool, Vector::z());
+    let request = |count| {
+        DefaultCameras::new(count, number, [Point::new(0.0, 0.0, 0.05), tool], Vec::new(), Vector::z())
+    };
     let one = default_cameras(&scene, &request(1)).unwrap();
     let four = default_cameras(&scene, &request(4)).unwrap();
     assert_eq!((four.len(), &four[0]), (4, &one[0]));

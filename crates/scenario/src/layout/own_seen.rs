@@ -25,9 +25,9 @@ pub(crate) struct SeenEntry {
     pub cell_m: Option<f64>,
     /// Region that is mapped; all other space is unseen. Default: 0.5 m around the robot at its start and the target.
     pub region: Option<RegionEntry>,
-    /// Distance from the robot at its start within which unseen space counts as free (m). Default: 0.03.
+    /// Distance from the robot at its start within which unseen space counts as free (m). Default: 0.06.
     pub robot_reach_m: Option<f64>,
-    /// The same for the floor. Default: 0.02.
+    /// The same for the floor. Default: 0.06.
     pub floor_reach_m: Option<f64>,
     /// Error of the pose of the target (m): surfaces and unseen cells within it are those of the target. Default: 0.002.
     pub target_tolerance_m: Option<f64>,
