@@ -43,6 +43,7 @@ mod robots;
 #[cfg(target_os = "linux")]
 mod sabotaging_planners;
 mod scenarios;
+mod seen_space;
 mod serve;
 mod simulation;
 #[cfg(unix)]

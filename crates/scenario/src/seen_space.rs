@@ -107,7 +107,7 @@ impl Scenario {
         if let Some(floor) = (0..self.world.bodies().len()).find(|body| is_floor(*body)) {
             bodies.push(known("floor", solids_of(floor), 0.0, options.floor_reach_m));
         }
-        let region = options.region.unwrap_or_else(|| self.region_of_interest(&bodies));
+        let region = options.region.unwrap_or_else(|| region_of_interest(&bodies));
         let fine = bodies.iter().filter(|body| body.is_transparent).flat_map(|body| &body.solids);
         let fine = fine.map(|(pose, solid)| solid.aabb().transformed(pose).grown(FINE_M)).collect();
         let settings = SeenSettings { region, fine, cell_m: options.cell_m, unseen: options.unseen };
@@ -120,14 +120,40 @@ impl Scenario {
         Ok(Self { seen: Some(SeenSpace { map: Arc::new(map), sensors, options: options.clone() }), ..seen })
     }
 
-    /// Returns the box around the robot at its start and the target, with space around it, down to the floor.
-    fn region_of_interest(&self, known: &[KnownBody]) -> Aabb {
-        let solids = known.iter().flat_map(|body| &body.solids).filter(|(_, solid)| !solid.is_half_space());
-        let boxes = solids.map(|(pose, solid)| solid.aabb().transformed(pose));
-        let corners: Vec<Point> = boxes.flat_map(|aabb| [aabb.low(), aabb.high()]).collect();
-        if corners.is_empty() {
-            return Aabb { center: Point::origin(), half_extents: Vector::repeat(AROUND_M) };
-        }
-        Aabb::around(&corners, AROUND_M)
+    /// Returns a sentence on the views that the obstacles come from, the bounds of their errors and what they do not show; `None` if the
+    /// obstacles do not come from views.
+    pub fn seen_statement(&self) -> Option<String> {
+        let SeenSpace { map, sensors, options } = self.seen.as_ref()?;
+        let unseen = match options.unseen {
+            Unseen::Solid => "all space that none of them shows to be free is an obstacle",
+            Unseen::Free => "space that none of them shows counts as free, so nothing is proven of it",
+        };
+        let millimetres = |length_m: f64| format!("{:.0} mm", (length_m * 1e3).ceil());
+        let greatest = |of: fn(&SensorModel) -> f64| sensors.iter().map(of).fold(0.0, f64::max);
+        let [detail, beside] = map.detail_m().map(millimetres);
+        Some(format!(
+            "the obstacles are what {} show; {unseen}. Their errors are bounded by {:.1} mm + {:.2} % of the depth, {:.1} pixels, and \
+             {:.1} mm and {:.2}° of the camera's pose; things thinner than {detail} may be missed, beside the target {beside}. Within {} \
+             of the robot at its start, and {} of the floor, unseen space counts as free",
+            cranny_file::counted(sensors.len(), "view"),
+            1e3 * greatest(|sensor| sensor.depth_error_m),
+            1e2 * greatest(|sensor| sensor.depth_error_share),
+            greatest(|sensor| sensor.lateral_error_px),
+            1e3 * greatest(|sensor| sensor.position_error_m),
+            greatest(|sensor| sensor.turn_error_rad).to_degrees(),
+            millimetres(options.robot_reach_m),
+            millimetres(options.floor_reach_m),
+        ))
     }
+}
+
+/// Returns the box around these bodies, with space around it.
+fn region_of_interest(known: &[KnownBody]) -> Aabb {
+    let solids = known.iter().flat_map(|body| &body.solids).filter(|(_, solid)| !solid.is_half_space());
+    let boxes = solids.map(|(pose, solid)| solid.aabb().transformed(pose));
+    let corners: Vec<Point> = boxes.flat_map(|aabb| [aabb.low(), aabb.high()]).collect();
+    if corners.is_empty() {
+        return Aabb { center: Point::origin(), half_extents: Vector::repeat(AROUND_M) };
+    }
+    Aabb::around(&corners, AROUND_M)
 }

@@ -64,7 +64,7 @@ fn wrongly_free(map: &SeenMap, bodies: &[Body], count: usize) -> usize {
             local[axis] = half[axis].copysign(local[axis]) * (1.0 - 1e-3 * random.uniform());
         }
         let point = part.world_from_solid * Point::from(local);
-        let at = Pose::from_parts(point.coords.into(), Default::default());
+        let at = Pose::translation(point.x, point.y, point.z);
         let gap_m = |(pose, solid): (&Pose, &Solid)| separation(&point_solid, &at, solid, pose, 1.0).lower_m;
         let is_inside = gap_m((&part.world_from_solid, &part.solid)) <= 0.0;
         if is_inside

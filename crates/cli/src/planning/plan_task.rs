@@ -45,7 +45,8 @@ impl PlanTask {
         }
         let Task { scenario, problem, source } = Task::open(arguments, otherwise, output)?;
         let (grasps, scenario) = (scenario.grasps.clone(), Some(scenario));
-        Ok(Self { source, grasps, problem, deviations: Vec::new(), tool_m_s: None, scenario })
+        let deviations = scenario.iter().filter_map(Scenario::seen_statement).collect();
+        Ok(Self { source, grasps, problem, deviations, tool_m_s: None, scenario })
     }
 
     fn open_moveit(

@@ -129,7 +129,10 @@ impl SeenOptions {
 }
 
 impl Scenario {
-    /// Returns the scenario without its obstacles, and without what refers to them: tasks, places, physics and colours.
+    /// Returns the scenario without its obstacles, and without what refers to them: tasks, places and known configurations.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Collision`] for an invalid pose.
     pub fn with_known_bodies_only(&self) -> Result<Self, ScenarioError> {
         let is_floor =
             |body: usize| self.world.bodies()[body].parts.iter().all(|part| part.solid.is_half_space());

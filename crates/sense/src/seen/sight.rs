@@ -7,11 +7,11 @@ use crate::seen::known_solids::{Explained, PixelOf};
 
 /// A view, prepared to judge cells of space.
 ///
-/// Let an obstacle contain a ball of radius R = (k + ½ + ε)√2 z_c/f around c, for a whole number k, the lateral error ε (px) and the
+/// Let an obstacle contain a ball of radius R = (k + ½ + ε)√2 z(c)/f around c, for a whole number k, the lateral error ε (px) and the
 /// focal length f (px), and let p be a point of that ball. The pixel nearest to the image of c is within ½ px of it along both axes. All
-/// rays of its footprint (±ε), and of those of the pixels at most k away, meet the ball, at depths of at most z_c + R sin θ, where θ is
-/// the greatest angle of a ray from the optical axis. The pixel is within g = ½ + R f/(z_c cos θ) of the image of p, and the
-/// measurements m of all these pixels have a least true depth l(m) ≤ z_p + R (1 + sin θ). So no point p of such an obstacle is in a cell
+/// rays of its footprint (±ε), and of those of the pixels at most k away, meet the ball, at depths of at most z(c) + R sin θ, where θ is
+/// the greatest angle of a ray from the optical axis. The pixel is within g = ½ + R f/(z(c) cos θ) of the image of p, and the
+/// measurements m of all these pixels have a least true depth l(m) ≤ z(p) + R (1 + sin θ). So no point p of such an obstacle is in a cell
 /// if, for *all* pixels within g of the image of the cell, the greatest l(m) among the pixels at most k away exceeds the farthest depth
 /// in the cell by R (1 + sin θ). Details of an obstacle that no such ball reaches can be missed ([`detail_m`](Self::detail_m)).
 ///
@@ -68,7 +68,7 @@ impl Condition {
         let Optics { focal_px, sine, lateral_px, size_px: [width, height] } = optics;
         let radius_px = (f64::from(reach) + 0.5 + lateral_px) * std::f64::consts::SQRT_2;
         let per_m = radius_px / focal_px[0].min(focal_px[1]);
-        // z_c ≤ z_p + R.
+        // z(c) ≤ z(p) + R.
         let detail_per_m = per_m / (1.0 - per_m.min(0.5));
         let slack_per_m = detail_per_m * (1.0 + sine);
         /// Rounding of a depth to single precision, in metres.
@@ -261,7 +261,7 @@ impl Sight {
     /// is certainly too near.
     ///
     /// A point of the cube is its centre plus d with |d·e| ≤ h along each axis e of the cube, and its coordinate in the image differs from
-    /// that of the centre by f (d_x − t d_z)/(z + d_z) with t = x/z.
+    /// that of the centre by f (dx − t dz)/(z + dz) with t = x/z.
     fn image(&self, center: &Point, half_m: f64) -> Option<Image> {
         let middle = self.turn * center.coords + self.shift;
         /// Half diagonal of a cube of half side 1, rounded up.

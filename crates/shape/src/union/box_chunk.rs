@@ -52,17 +52,20 @@ impl BoxChunk {
 
     /// Returns the smallest box in single precision around the first `count` boxes.
     pub fn around(&self, count: usize) -> NarrowBox {
-        let mut around: NarrowBox = [[0.0; 3]; 2];
-        for axis in 0..3 {
-            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            for lane in 0..count {
-                let (center, half) =
-                    (f64::from(self.center[axis][lane]), f64::from(self.half_extents[axis][lane]));
-                (low, high) = (low.min(center - half), high.max(center + half));
-            }
-            [around[0][axis], around[1][axis]] = enclosing(low, high);
-        }
-        around
+        let range = |axis: usize| {
+            let bounds = |lane: usize| {
+                let wide = |rows: &[LaneArray; 3]| f64::from(rows[axis][lane]);
+                let (center, half) = (wide(&self.center), wide(&self.half_extents));
+                [center - half, center + half]
+            };
+            let all = (0..count).map(bounds);
+            all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [a, b]| [low.min(a), high.max(b)])
+        };
+        let axes = [0, 1, 2].map(|axis| {
+            let [low, high] = range(axis);
+            enclosing(low, high)
+        });
+        [axes.map(|[center, _]| center), axes.map(|[_, half]| half)]
     }
 }
 

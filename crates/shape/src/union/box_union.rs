@@ -39,7 +39,7 @@ impl BoxUnion {
     /// [`ShapeError::Size`] unless the radius is positive and finite.
     pub fn of_points(points: &[[f32; 3]], radius_m: f64) -> Result<Self, ShapeError> {
         let radius_m = positive("the radius of the points of a cloud", radius_m)?;
-        Self::new(points.iter().map(|point| [*point, [0.0; 3]]).collect(), radius_m)
+        Self::new(&points.iter().map(|point| [*point, [0.0; 3]]).collect::<Vec<_>>(), radius_m)
     }
 
     /// Creates the union of boxes; each is rounded outwards to single precision.
@@ -52,10 +52,10 @@ impl BoxUnion {
             let axes = [0, 1, 2].map(|axis| enclosing(low[axis], high[axis]));
             [axes.map(|[center, _]| center), axes.map(|[_, half]| half)]
         };
-        Self::new(boxes.map(narrow).collect(), 0.0)
+        Self::new(&boxes.map(narrow).collect::<Vec<_>>(), 0.0)
     }
 
-    fn new(boxes: Vec<NarrowBox>, radius_m: f64) -> Result<Self, ShapeError> {
+    fn new(boxes: &[NarrowBox], radius_m: f64) -> Result<Self, ShapeError> {
         for (vertex, [center, half_extents]) in boxes.iter().enumerate() {
             let is_usable = |axis: usize| f64::from(center[axis].abs() + half_extents[axis]) <= FARTHEST_M;
             if !(0..3).all(is_usable) {
@@ -63,7 +63,7 @@ impl BoxUnion {
                 return Err(ShapeError::NotFinite { vertex, x, y, z });
             }
         }
-        let order = compact_order(&boxes);
+        let order = compact_order(boxes);
         let ordered = |places: &[u32]| BoxChunk::of(places.iter().map(|place| boxes[*place as usize]));
         let mut levels: Vec<Vec<BoxChunk>> = vec![order.chunks(LANES).map(ordered).collect()];
         let mut count = boxes.len();
@@ -172,7 +172,7 @@ impl BoxUnion {
                 near &= near - 1;
                 let gap_m = gap_m(&chunk.get(lane)) - self.radius_m;
                 // NaN does not count as far.
-                if !(gap_m >= reach_m) {
+                if gap_m < reach_m || gap_m.is_nan() {
                     children.push(Node { gap_m, level: level - 1, index: index * LANES + lane });
                 }
             }
@@ -261,7 +261,10 @@ mod tests {
         let piece = |aabb: Aabb| {
             let solid =
                 if is_cloud { Solid::sphere(union.radius_m()) } else { Solid::cuboid(aabb.half_extents) };
-            (solid.expect("positive sizes"), Pose::from_parts(aabb.center.coords.into(), Default::default()))
+            (
+                solid.expect("positive sizes"),
+                Pose::from_parts(aabb.center.coords.into(), cranny_spatial::Rotation::identity()),
+            )
         };
         let pieces = union.boxes().map(piece).collect();
         (Solid::union(union), pieces)

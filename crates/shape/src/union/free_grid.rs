@@ -64,18 +64,19 @@ impl FreeGrid {
     #[inline(always)]
     pub fn at(&self, point: [f32; 3]) -> f32 {
         let mut cell = 0;
-        for axis in 0..3 {
-            let place = (point[axis] - self.low[axis]) * self.scale;
+        for ((value, low), size) in point.iter().zip(&self.low).zip(&self.size) {
+            let place = (value - low) * self.scale;
             #[allow(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
                 reason = "the conversion saturates"
             )]
             let index = place as usize;
-            if !(place >= 0.0) || index >= self.size[axis] {
+            let is_inside = place >= 0.0 && index < *size;
+            if !is_inside {
                 return 0.0;
             }
-            cell = cell * self.size[axis] + index;
+            cell = cell * size + index;
         }
         self.free_m2.get(cell).copied().unwrap_or(0.0)
     }
