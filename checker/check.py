@@ -12,11 +12,8 @@ from math import isqrt
 
 S = 96  # (1) Ends of intervals are whole multiples of 2^-96.
 ONE = 1 << S
-HALF = (ONE // 2, ONE // 2)
-ZERO, UNIT = (0, 0), (ONE, ONE)
-LARGEST = 10**6
-MOST_HALVINGS = 96
-MOST_WORK = 20_000_000
+HALF, ZERO, UNIT = (ONE // 2, ONE // 2), (0, 0), (ONE, ONE)
+LARGEST, MOST_HALVINGS, MOST_WORK = 10**6, 96, 20_000_000
 SIZES = {"box": 3, "ball": 1, "capsule": 2, "cylinder": 2, "half": 0, "hull": 1, "mesh": 0}
 
 
@@ -232,8 +229,7 @@ class Solid:
             self.largest = [max(abs(point[i]) for point in self.points) + 1 for i in range(3)]
         if self.kind != "half":
             axis = lambda i, sign: [(sign * ONE,) * 2 if j == i else ZERO for j in range(3)]
-            whole = (0, len(self.faces))
-            self.box = [[s * self.support(axis(i, s), whole) for i in range(3)] for s in (-1, 1)]
+            self.box = [[s * self.support(axis(i, s), (0, len(self.faces))) for i in range(3)] for s in (-1, 1)]
 
     def support(self, n, faces):
         """(4) Returns an upper bound of n·p over the solid, or these faces."""
@@ -241,11 +237,9 @@ class Solid:
         base, h = dot(n, self.pose[1])[1], self.sizes
         if self.kind == "box":
             return base + total(mul(mag(m[i]), h[i]) for i in range(3))[1]
-        if self.kind == "ball":
-            return base + mul(length(m), h[0])[1]
-        if self.kind in ("capsule", "cylinder"):
-            across = length(m if self.kind == "capsule" else m[:2])
-            return base + add(mul(mag(m[2]), h[0]), mul(across, h[1]))[1]
+        if self.kind in ("ball", "capsule", "cylinder"):
+            across, (*half, radius) = length(m[:2] if self.kind == "cylinder" else m), h
+            return base + total([mul(across, radius), *(mul(mag(m[2]), x) for x in half)])[1]
         unless(self.kind != "half", "a half-space needs its own plane")
         points = self.points
         if faces != (0, len(self.faces)):
@@ -262,7 +256,7 @@ class Object:
     """A link or a body."""
 
     def __init__(self, name, is_body):
-        self.name, self.is_body, self.solids, self.lines = name, is_body, [], []
+        self.name, self.is_body, self.solids, self.title, self.key = name, is_body, [], "", "-"
         self.parent, self.pose, self.motion = None, IDENTITY, None
 
     def span(self, begin, end):
@@ -322,9 +316,10 @@ class Scene:
     def __init__(self, lines):
         begin = lines.at
         (self.name,) = lines.read("scene", 1)
-        self.limits, self.objects, self.distances, self.exceptions, self.bounds = [], [], {}, [], []
+        self.joints, self.objects, self.distances, self.rules, self.bounds, self.goals = [], [], {}, [], [], []
         while lines.kind() == "joint":
-            self.limits.append(numbers(lines.read("joint", 3)[1:], 2))
+            name, *limits = lines.read("joint", 3)
+            self.joints.append((name, *numbers(limits, 2)))
         while lines.kind() in ("link", "body"):
             self.read_object(lines)
         self.margin_word = lines.read("margin", 1)
@@ -333,12 +328,12 @@ class Scene:
             self.read_exception(lines.kind(), *lines.read(lines.kind(), 3))
         while lines.kind() in ("cone", "inside", "near"):
             self.read_bound(lines.kind(), *lines.read(lines.kind()))
-        self.start = numbers(lines.read("start"), len(self.limits))
+        self.start = numbers(lines.read("start"), len(self.joints))
         self.tip = index(lines.read("tip", 1)[0], len(self.objects))
-        unless(self.limits and not self.objects[self.tip].is_body, "no joint, or the tip is no link")
-        self.goals = [pose(lines.read("goal", 8)[1:])]
-        while lines.kind() == "goal":
+        unless(self.joints and not self.objects[self.tip].is_body, "no joint, or the tip is no link")
+        while lines.kind() == "goal" or not self.goals:
             self.goals.append(pose(lines.read("goal", 8)[1:]))
+            self.rules.append(lines.lines[lines.at - 1])
         text = "".join(line + "\n" for line in lines.lines[begin : lines.at])
         self.hash = hashlib.sha256(text.encode()).hexdigest()
         unless(lines.read("hash", 1) == [self.hash], f"the scene has the hash {self.hash}")
@@ -348,10 +343,14 @@ class Scene:
     def read_object(self, lines):
         begin = lines.at
         known = Object(lines.read("body", 1)[0], True) if lines.kind() == "body" else self.link(*lines.read("link"))
+        words = lines.lines[begin].split(" ")
+        if known.parent is not None:
+            words[2], known.key = self.objects[known.parent].name, self.objects[known.parent].key
         while lines.kind() in SIZES:
             unless(known.is_body or lines.kind() != "half", "a link cannot be a half-space")
             known.solids.append(Solid(lines))
-        known.lines = lines.lines[begin : lines.at]
+        known.title = " ".join(words)
+        known.key = hashlib.sha256("\n".join([known.key, known.title, *lines.lines[begin + 1 : lines.at]]).encode()).hexdigest()
         self.objects.append(known)
 
     def link(self, name="", parent="", *rest):
@@ -363,14 +362,14 @@ class Scene:
         if rest[7:] != ("fixed",):
             unless(len(rest) == 14 and rest[7] in ("turn", "slide"), "a motion that is none")
             factor, offset = [exact(x) for x in numbers(rest[9:11], 2)]
-            link.motion = (rest[7] == "turn", index(rest[8], len(self.limits)), factor, offset, unit(rest[11:]))
+            link.motion = (rest[7] == "turn", index(rest[8], len(self.joints)), factor, offset, unit(rest[11:]))
         return link
 
     def read_exception(self, kind, a, b, last):
         pair = index(a, len(self.objects)), index(b, len(self.objects))
         unless(pair[0] < pair[1] and pair not in self.distances, "each pair once, the lower index first")
         self.distances[pair] = number(last) if kind == "keep" else None
-        self.exceptions.append(" ".join([kind, *(self.objects[i].name for i in pair), last]))
+        self.rules.append(" ".join([kind, *(self.objects[i].name for i in pair), last]))
 
     def read_bound(self, kind, name="", link="", *rest):
         """(12) A point or direction of a link, a pose, half extents and a radius around it, of which one is infinite."""
@@ -389,7 +388,7 @@ class Scene:
             else:
                 radius = exact(radius)[0]
         self.bounds.append((of, kind == "cone", point, place, half, radius))
-        self.exceptions.append(" ".join([kind, name, link, *rest]))
+        self.rules.append(" ".join([kind, name, self.objects[of].name, *rest]))
 
     def chain(self, top, of):
         chain, at = [], None if self.objects[of].is_body else of
@@ -403,18 +402,27 @@ class Scene:
         self.pairs = []
         for a, first in enumerate(self.objects):
             for b in range(a + 1, len(self.objects)) if first.solids and not first.is_body else ():
-                same = [x for x, y in zip(self.chain(None, a), self.chain(None, b)) if x == y]
-                top, distance = same[-1] if same else None, self.distances.get((a, b), self.margin)
-                moves = any(self.objects[i].motion for end in (a, b) for i in self.chain(top, end))
+                distance, (top, moves) = self.distances.get((a, b), self.margin), self.common(a, b)
                 if self.objects[b].solids and moves and distance is not None:
                     self.pairs.append((a, b, top, distance))
 
+    def common(self, a, b):
+        """Returns the lowest link above two objects or equal to one, and if a joint moves one against the other."""
+        same = [x for x, y in zip(self.chain(None, a), self.chain(None, b)) if x == y]
+        top = same[-1] if same else None
+        return top, any(self.objects[i].motion for end in (a, b) for i in self.chain(top, end))
+
     def changes_since(self, before):
-        """Lists the objects that only one of two scenes has with these lines."""
+        """Lists the objects that only one of two scenes has; all else of the robot is the same (13)."""
+        is_same = self.joints == before.joints and self.objects[self.tip].key == before.objects[before.tip].key
+        unless(is_same, "joints, or links down to the tip, are not those before (13)")
         changes = []
         for sign, new, old in (("-", before, self), ("+", self, before)):
-            known = [thing.lines for thing in old.objects]
-            changes += [f"{sign} {thing.name}" for thing in new.objects if thing.lines not in known]
+            known = {thing.key for thing in old.objects}
+            for i, thing in enumerate(new.objects):
+                if thing.key not in known:
+                    unless(thing.is_body or not new.common(new.tip, i)[1], "a joint moves a link that differs (13)")
+                    changes.append(f"{sign} {thing.title}")
         return changes
 
 
@@ -422,8 +430,7 @@ def halves(curve):
     first, second = [curve[0]], [curve[-1]]
     while len(curve) > 1:
         curve = [[mul(add(x, y), HALF) for x, y in zip(a, b)] for a, b in zip(curve, curve[1:])]
-        first.append(curve[0])
-        second.append(curve[-1])
+        first, second = [*first, curve[0]], [*second, curve[-1]]
     return first, second[::-1]
 
 
@@ -562,8 +569,7 @@ class Piece:
         needed = mul(length(n), add(exact(margin), (0, bend)))[1]
         for s in (neg(HALF), HALF):
             gap = -(first.reach(n, s) + (second.reach(minus(n), s) if floor is None else floor))
-            missing = float(needed - gap) / ONE
-            unless(gap > needed, f"the plane does not keep both parts apart: {missing:.3g} are missing")
+            unless(gap > needed, f"the plane does not keep both parts apart: {float(needed - gap) / ONE:.3g} are missing")
 
     def prove_bound(self, bound, marks):
         """(12) Checks that a point or direction stays near its place."""
@@ -591,12 +597,10 @@ def check_path(lines, scene):
         lines.read("piece", 0)
         points = []
         while len(points) < 2 or lines.kind() == "q":
-            points.append(numbers(lines.read("q"), len(scene.limits)))
-            within = all(lower <= x <= upper for (lower, upper), x in zip(scene.limits, points[-1]))
-            unless(within, "a joint is outside its limits")
+            points.append(numbers(lines.read("q"), len(scene.joints)))
+            unless(all(a <= x <= b for (_, a, b), x in zip(scene.joints, points[-1])), "a joint is outside its limits")
         from_, tolerance = (scene.start, Fraction(1e-5)) if end is None else (end, 0)
-        is_there = all(abs(a - b) <= tolerance for a, b in zip(points[0], from_))
-        unless(is_there, "the piece does not begin where the path is")
+        unless(all(abs(a - b) <= tolerance for a, b in zip(points[0], from_)), "the piece does not begin where the path is")
         piece = Piece(scene, points, outside)
         for pair in scene.pairs:
             words = lines.read("p")
@@ -617,9 +621,7 @@ def check_path(lines, scene):
 def check_end(scene, end):
     """(11) Checks that the tip is at a goal."""
     moment = Moment(scene, [[exact(x) for x in end]] * 2)
-    tip = IDENTITY
-    for i in scene.chain(None, scene.tip):
-        tip = after(tip, moment.links[i])
+    tip = Moved(scene, moment, None, scene.tip, None, ([ZERO] * 3, ZERO)).pose
     degree = sin_cos(mul((2 * QUARTER[0], 2 * QUARTER[1]), exact(Fraction(1, 180))))[1]
     for rotation, place in scene.goals:
         far = total(square(sub(x, y)) for x, y in zip(tip[1], place))
@@ -642,7 +644,7 @@ def check(lines):
             count, end = check_path(lines, scene)
             paths, pieces = paths + 1, pieces + count
         found += [f"scene {scene.name} {scene.hash}", f"paths {paths}, of {pieces} pieces"]
-        found += [f"pairs {len(scene.pairs)}, at least {scene.margin_word[0]} m apart", *scene.exceptions, *changes]
+        found += [f"pairs {len(scene.pairs)}, at least {scene.margin_word[0]} m apart", *scene.rules, *changes]
         before = scene
     lines.read("end", 0)
     unless(lines.at + 1 == len(lines.lines), "a line after the end")

@@ -21,7 +21,8 @@ pub fn check(text: &str) -> Result<Vec<String>, (usize, String)> {
 }
 
 /// Returns for each scene its name and hash, the numbers of its paths, of their pieces and of the pairs that are compared, then
-/// pairs that are not compared or have a distance of their own, bounds of links, and objects that differ from the scene before.
+/// pairs that are not compared or have a distance of their own, bounds of links, goals, and objects that differ from the
+/// scene before.
 fn statement(lines: &mut Lines<'_>) -> Checked<Vec<String>> {
     lines.read("cranny-certificate/1", |_| Ok(()))?;
     let (mut found, mut ledger) = (Vec::new(), Ledger::default());
@@ -31,11 +32,7 @@ fn statement(lines: &mut Lines<'_>) -> Checked<Vec<String>> {
         let depth = scene.objects.iter().map(|object| object.depth).max().unwrap_or_default();
         ledger.work(scene.objects.len().pow(2).saturating_mul(50 + depth))?;
         scene.pairs = scene.list_pairs();
-        let mut changes = Vec::new();
-        if let Some((before, end)) = &before {
-            unless(scene.start == *end, "the scene does not start where the path before it ends")?;
-            changes = scene.changes_since(before);
-        }
+        let changes = before.as_ref().map_or(Ok(Vec::new()), |before| scene.changes_since(before))?;
         let (mut paths, mut pieces, mut end) = (0, 0, Vec::new());
         while paths == 0 || lines.is("path") {
             let (count, last) = path(lines, &scene, &mut ledger)?;
@@ -44,7 +41,7 @@ fn statement(lines: &mut Lines<'_>) -> Checked<Vec<String>> {
         found.push(format!("scene {} {}", scene.name, scene.hash));
         found.push(format!("paths {paths}, of {pieces} pieces"));
         found.push(format!("pairs {}, at least {} m apart", scene.pairs.len(), scene.margin));
-        found.extend(scene.exceptions.iter().cloned().chain(changes));
+        found.extend(scene.rules.iter().cloned().chain(changes));
         before = Some((scene, end));
     }
     lines.read("end", |_| Ok(()))?;
@@ -61,9 +58,9 @@ fn path(lines: &mut Lines<'_>, scene: &Scene<'_>, ledger: &mut Ledger) -> Checke
         lines.read("piece", |_| Ok(()))?;
         let mut points: Vec<Vec<f64>> = Vec::new();
         while points.len() < 2 || lines.is("q") {
-            let q = lines.read("q", |line| line.values(scene.limits.len()))?;
-            let is_within = |([lower, upper], x): (&[f64; 2], &f64)| lower <= x && x <= upper;
-            unless(scene.limits.iter().zip(&q).all(is_within), "a joint is outside its limits (5)")?;
+            let q = lines.read("q", |line| line.values(scene.joints.len()))?;
+            let is_within = |((_, [lower, upper]), x): (&(_, [f64; 2]), &f64)| lower <= x && x <= upper;
+            unless(scene.joints.iter().zip(&q).all(is_within), "a joint is outside its limits (5)")?;
             points.push(q);
         }
         // A piece begins where the one before it ends, and the first one at the start (10).

@@ -82,12 +82,8 @@ impl Interval {
             return [UNKNOWN; 2];
         }
         let square = r.square();
-        let nested = |first: u32, last: u32| {
-            (first..=last)
-                .rev()
-                .step_by(2)
-                .fold(ONE, |inner, i| ONE - (square * inner).over(point(f64::from(i * (i - 1)))))
-        };
+        let term = |inner: Self, i: u32| ONE - (square * inner).over(point(f64::from(i * (i - 1))));
+        let nested = |first: u32, last: u32| (first..=last).rev().step_by(2).fold(ONE, term);
         let half_width = (self - point(x)).magnitude().hi;
         let sine = (r * nested(3, 15)).widened(6e-17).widened(half_width);
         let cosine = nested(2, 16).widened(3e-18).widened(half_width);

@@ -80,9 +80,7 @@ impl<'a> Lines<'a> {
     }
 
     pub fn size(&mut self) -> Checked<f64> {
-        let size = self.number()?;
-        unless(size >= 0.0, "a size is not negative")?;
-        Ok(size)
+        self.number().and_then(|size| unless(size >= 0.0, "a size is not negative").map(|()| size))
     }
 
     /// Reads one value for each joint.

@@ -1,9 +1,7 @@
 //! Motion of the links along an interval of a curve in the joints, with bounds on velocity and acceleration.
 
-use super::interval::{
-    Interval, ONE, ORIGIN, Vector, ZERO, cross, dot, length, minus, point, product, scaled,
-};
-use super::interval::{sum, times, transposed_times};
+use super::interval::{Interval, ONE, ORIGIN, Vector, ZERO, cross, dot, length, minus, point};
+use super::interval::{product, scaled, sum, times, transposed_times};
 use super::scene::{Bound, Pose, Scene, rotation};
 use super::solid::{Object, Span};
 

@@ -87,8 +87,7 @@ impl<'a> Piece<'a> {
         self.check_tree([link, link], marks, |piece, node, mark| {
             unless(mark == ".", "a mark that is none")?;
             piece.ledger.work(100 * (link.depth + 2))?;
-            let moment = piece.moment(node)?;
-            unless(bound.holds(&moment), "a bound is not shown to be kept")
+            unless(bound.holds(&*piece.moment(node)?), "a bound is not shown to be kept")
         })
     }
 
@@ -107,7 +106,7 @@ impl<'a> Piece<'a> {
             self.ledger.work(10)?;
             match marks.word()? {
                 "h" => {
-                    self.ledger.work(node.curve.len().pow(2) * self.scene.limits.len())?;
+                    self.ledger.work(node.curve.len().pow(2) * self.scene.joints.len())?;
                     let ([first, second], number) = (halves(&node.curve).map(Rc::new), 2 * node.number);
                     open.push(Node { curve: second, number: number + 1, halvings, ..node });
                     open.push(Node { curve: first, number, halvings, ..node });
@@ -132,8 +131,8 @@ impl<'a> Piece<'a> {
     fn separates(&mut self, pair: &Pair, node: &Node, plane: Option<Vector>) -> Checked {
         let [of_a, of_b] = pair.objects.map(|index| &self.scene.objects[index]);
         let [span_a, span_b] = node.spans;
-        let joints = 100 * (of_a.depth + of_b.depth + 2);
-        self.ledger.work(joints + 2 * (of_a.size(span_a) + of_b.size(span_b)))?;
+        let sizes = of_a.size(span_a) + of_b.size(span_b);
+        self.ledger.work(100 * (of_a.depth + of_b.depth + 2) + 2 * sizes)?;
         let moment = self.moment(node)?;
         let [first, second] = [0, 1].map(|side| {
             let of = pair.objects[side];
@@ -162,7 +161,7 @@ impl<'a> Piece<'a> {
 
     fn moment(&mut self, node: &Node) -> Checked<Rc<Moment<'a>>> {
         if !self.moments.contains_key(&node.number) {
-            let of_curve = node.curve.len().pow(2) * self.scene.limits.len();
+            let of_curve = node.curve.len().pow(2) * self.scene.joints.len();
             self.ledger.work(500 * self.scene.objects.len() + 10 * of_curve)?;
         }
         let of = || Rc::new(Moment::of(self.scene, &node.curve));

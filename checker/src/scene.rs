@@ -67,15 +67,16 @@ pub struct Bound {
 pub struct Scene<'a> {
     pub name: &'a str,
     pub hash: String,
-    /// Limits of each joint.
-    pub limits: Vec<[f64; 2]>,
+    /// Name and limits of each joint.
+    pub joints: Vec<(&'a str, [f64; 2])>,
     pub objects: Vec<Object<'a>>,
     pub margin: f64,
     /// Pairs that must be proven.
     pub pairs: Vec<Pair>,
-    /// Pairs with a distance of their own, or none; and their lines with names.
+    /// Pairs with a distance of their own, or none.
     distances: HashMap<[usize; 2], Option<f64>>,
-    pub exceptions: Vec<String>,
+    /// Lines of these pairs, of bounds and goals, with the names of objects.
+    pub rules: Vec<String>,
     pub bounds: Vec<Bound>,
     pub start: Vec<f64>,
     pub tip: usize,
@@ -88,9 +89,8 @@ impl<'a> Scene<'a> {
         let (mut scene, begin) = (Self::default(), lines.begin);
         scene.name = lines.read("scene", Lines::word)?;
         while lines.is("joint") {
-            let limits =
-                |line: &mut Lines<'a>| line.word().and_then(|_| Ok([line.number()?, line.number()?]));
-            scene.limits.push(lines.read("joint", limits)?);
+            let joint = |line: &mut Lines<'a>| Ok((line.word()?, [line.number()?, line.number()?]));
+            scene.joints.push(lines.read("joint", joint)?);
         }
         while lines.is("link") || lines.is("body") {
             scene.read_object(lines)?;
@@ -102,33 +102,43 @@ impl<'a> Scene<'a> {
         while let Some(kind) = ["cone", "inside", "near"].into_iter().find(|kind| lines.is(kind)) {
             scene.read_bound(kind, lines)?;
         }
-        scene.start = lines.read("start", |line| line.values(scene.limits.len()))?;
+        scene.start = lines.read("start", |line| line.values(scene.joints.len()))?;
         scene.tip = lines.read("tip", |line| line.index(scene.objects.len()))?;
-        let is_usable = !scene.limits.is_empty() && !scene.objects[scene.tip].is_body;
+        let is_usable = !scene.joints.is_empty() && !scene.objects[scene.tip].is_body;
         unless(is_usable, "no joint, or the tip is no link")?;
+        let goals = lines.begin;
         while scene.goals.is_empty() || lines.is("goal") {
-            let goal = |line: &mut Lines<'a>| line.word().and_then(|_| line.pose());
-            scene.goals.push(lines.read("goal", goal)?);
+            scene.goals.push(lines.read("goal", |line| line.word().and_then(|_| line.pose()))?);
         }
+        scene.rules.extend(lines.since(goals).lines().map(str::to_owned));
         scene.hash = sha256(lines.since(begin).as_bytes());
-        let stated = lines.read("hash", Lines::word)?;
-        unless(stated == scene.hash, &format!("the scene has the hash {}", scene.hash))?;
+        unless(lines.read("hash", Lines::word)? == scene.hash, &format!("the hash is {}", scene.hash))?;
         Ok(scene)
     }
 
     fn read_object(&mut self, lines: &mut Lines<'a>) -> Checked {
         let begin = lines.begin;
-        let mut object = if lines.is("link") {
-            lines.read("link", |line| self.link(line))?
-        } else {
-            Object { is_body: true, name: lines.read("body", Lines::word)?, ..Object::default() }
+        let body = |name| Object { is_body: true, name, ..Object::default() };
+        let mut object = match lines.is("link") {
+            true => lines.read("link", |line| self.link(line))?,
+            false => body(lines.read("body", Lines::word)?),
         };
+        object.title = self.with_names(lines.since(begin), &[2]);
+        let solids = lines.begin;
         while let Some(solid) = Solid::read(lines, object.is_body)? {
             object.solids.push(solid);
         }
-        object.text = lines.since(begin);
+        let above = object.parent.map_or("-", |parent| &self.objects[parent].key);
+        object.key = sha256(format!("{above}\n{}\n{}", object.title, lines.since(solids)).as_bytes());
         self.objects.push(object);
-        Ok(())
+        unless(self.objects.len() <= 4096, "more work than a certificate may take")
+    }
+
+    /// Returns a line with the names of objects in place of their numbers, which are these words of it.
+    fn with_names(&self, line: &str, numbers: &[usize]) -> String {
+        let name = |word: &str| word.parse().map_or("-", |index: usize| self.objects[index].name);
+        let named = |(at, word)| if numbers.contains(&at) { name(word) } else { word };
+        line.trim_end().split(' ').enumerate().map(named).collect::<Vec<_>>().join(" ")
     }
 
     fn link(&self, line: &mut Lines<'a>) -> Checked<Object<'a>> {
@@ -144,7 +154,7 @@ impl<'a> Scene<'a> {
         let kind = line.word()?;
         if kind != "fixed" {
             unless(kind == "turn" || kind == "slide", "a motion that is none")?;
-            let (joint, factor, offset) = (line.index(self.limits.len())?, line.number()?, line.number()?);
+            let (joint, factor, offset) = (line.index(self.joints.len())?, line.number()?, line.number()?);
             let axis = unit(line.point()?.map(point))?;
             link.motion = Some(Motion { turns: kind == "turn", joint, factor, offset, axis });
         }
@@ -159,9 +169,7 @@ impl<'a> Scene<'a> {
         })?;
         let is_new = self.distances.insert(pair, distance).is_none();
         unless(pair[0] < pair[1] && is_new, "each pair once, the lower index first")?;
-        let words: Vec<&str> = lines.since(begin).trim_end().split(' ').collect();
-        let [a, b] = pair.map(|index| self.objects[index].name);
-        self.exceptions.push(format!("{} {a} {b} {}", words[0], words[3]));
+        self.rules.push(self.with_names(lines.since(begin), &[1, 2]));
         Ok(())
     }
 
@@ -186,7 +194,7 @@ impl<'a> Scene<'a> {
         })?;
         unless(!self.objects[bound.link].is_body, "a bound is of a link")?;
         self.bounds.push(bound);
-        self.exceptions.push(lines.since(begin).trim_end().to_owned());
+        self.rules.push(self.with_names(lines.since(begin), &[2]));
         Ok(())
     }
 
@@ -199,29 +207,43 @@ impl<'a> Scene<'a> {
         chain
     }
 
-    /// Lists the objects that another scene has not, or with other lines.
-    pub fn changes_since(&self, before: &Self) -> Vec<String> {
-        let new = |new: &Self, old: &Self, sign: char| {
-            let lines: HashSet<&str> = old.objects.iter().map(|object| object.text).collect();
-            let is_new = |object: &&Object<'_>| !lines.contains(object.text);
-            let named = |object: &Object<'_>| format!("{sign} {}", object.name);
-            new.objects.iter().filter(is_new).map(named).collect::<Vec<_>>()
-        };
-        [new(before, self, '-'), new(self, before, '+')].concat()
+    /// Lists the objects that only one of two scenes has, each with its first line. This one must have the robot of the other,
+    /// and start at the end of its last path (13).
+    pub fn changes_since(&self, (before, end): &(Self, Vec<f64>)) -> Checked<Vec<String>> {
+        unless(self.start == *end, "the scene does not start where the path before it ends")?;
+        let robot = |scene: &Self| (scene.joints.clone(), scene.objects[scene.tip].key.clone());
+        unless(robot(self) == robot(before), "joints, or links down to the tip, are not those before (13)")?;
+        let mut changes = Vec::new();
+        for (sign, new, old) in [('-', before, self), ('+', self, before)] {
+            let known: HashSet<&String> = old.objects.iter().map(|object| &object.key).collect();
+            let tip = new.chain(None, new.tip);
+            for (index, object) in new.objects.iter().enumerate().filter(|new| !known.contains(&new.1.key)) {
+                let may_change = object.is_body || !new.common(&tip, index).1;
+                unless(may_change, "a link that differs is moved against the tip by a joint (13)")?;
+                changes.push(format!("{sign} {}", object.title));
+            }
+        }
+        Ok(changes)
+    }
+
+    /// Returns the lowest link above an object, or equal to it, among those down to another one; and true if a joint moves both
+    /// objects against each other.
+    fn common(&self, above_a: &[usize], b: usize) -> (Option<usize>, bool) {
+        let above_b = self.chain(None, b);
+        let common = above_a.iter().zip(&above_b).take_while(|(x, y)| x == y).count();
+        let mut apart = above_a[common..].iter().chain(&above_b[common..]);
+        let moves = apart.any(|index| self.objects[*index].motion.is_some());
+        (common.checked_sub(1).map(|last| above_a[last]), moves)
     }
 
     /// Lists the pairs that must be proven: all of a link and another object that a joint moves against each other.
     pub fn list_pairs(&self) -> Vec<Pair> {
         let is_solid = |index: &usize| !self.objects[*index].solids.is_empty();
-        let is_moved = |index: &usize| self.objects[*index].motion.is_some();
         let mut pairs = Vec::new();
         for a in (0..self.objects.len()).filter(|a| is_solid(a) && !self.objects[*a].is_body) {
             let above_a = self.chain(None, a);
             for b in (a + 1..self.objects.len()).filter(is_solid) {
-                let above_b = self.chain(None, b);
-                let common = above_a.iter().zip(&above_b).take_while(|(x, y)| x == y).count();
-                let top = common.checked_sub(1).map(|last| above_a[last]);
-                let moves = above_a[common..].iter().chain(&above_b[common..]).any(is_moved);
+                let (top, moves) = self.common(&above_a, b);
                 let distance = self.distances.get(&[a, b]).copied().unwrap_or(Some(self.margin));
                 let pair = |distance| Pair { objects: [a, b], top, distance };
                 pairs.extend(distance.filter(|_| moves).map(pair));

@@ -34,8 +34,9 @@ pub struct Object<'a> {
     pub depth: usize,
     pub pose: Pose,
     pub motion: Option<Motion>,
-    /// Its lines.
-    pub text: &'a str,
+    /// Its first line with the name of its parent, and a hash of all its lines and of those of all links above it.
+    pub title: String,
+    pub key: String,
     pub solids: Vec<Solid>,
 }
 
@@ -55,10 +56,9 @@ impl Solid {
             solid.pose = line.pose()?;
             match kind {
                 "box" => solid.half = [line.size()?, line.size()?, line.size()?],
-                "ball" => solid.ball = line.size()?,
+                "ball" | "hull" => solid.ball = line.size()?,
                 "capsule" => (solid.half[2], solid.ball) = (line.size()?, line.size()?),
                 "cylinder" => (solid.half[2], solid.disc) = (line.size()?, line.size()?),
-                "hull" => solid.ball = line.size()?,
                 _ => solid.is_half_space = kind == "half",
             }
             unless(is_of_body || !solid.is_half_space, "a link cannot be a half-space")
@@ -72,8 +72,8 @@ impl Solid {
                 |line: &mut Lines<'_>| Ok([line.index(count)?, line.index(count)?, line.index(count)?]);
             solid.faces.push(lines.read("f", corners)?);
         }
-        unless(kind != "hull" || count > 0, "a hull without points")?;
-        unless(kind != "mesh" || !solid.faces.is_empty(), "a mesh without faces")?;
+        let is_empty = (kind == "hull" && count == 0) || (kind == "mesh" && solid.faces.is_empty());
+        unless(!is_empty, "a hull without points, or a mesh without faces")?;
         solid.largest = [0, 1, 2].map(|i| solid.points.iter().fold(0.0, |most: f64, p| most.max(p[i].abs())));
         let axis = |i: usize, sign: f64| std::array::from_fn(|j| if i == j { point(sign) } else { ZERO });
         let corner =

@@ -37,7 +37,8 @@ fn the_hash_is_sha_256() {
 fn a_certificate_that_holds_is_accepted() {
     let found = check(SLIDE).unwrap();
     assert_eq!(found[1..3], ["paths 1, of 1 pieces", "pairs 8, at least 0.00001 m apart"]);
-    assert_eq!(found[3..], ["keep cart floor 0.02", "skip cart arm adjacent-touching"]);
+    assert_eq!(found[3..5], ["keep cart floor 0.02", "skip cart arm adjacent-touching"]);
+    assert!(found[5].starts_with("goal end 0.5 0 0 ") && found.len() == 6, "{found:?}");
 }
 
 #[test]
@@ -133,11 +134,68 @@ fn scenes_follow_each_other() {
     let back = with_hash(&back.replace("body floor", "body ground")).unwrap();
     let (_, second) = back.split_once('\n').unwrap();
     let found = check(&format!("{first}{second}")).unwrap();
-    let changes = ["keep cart ground 0.02", "skip cart arm adjacent-touching", "- floor", "+ ground"];
-    assert_eq!(found[8..], changes);
+    assert_eq!(found[9..11], ["keep cart ground 0.02", "skip cart arm adjacent-touching"]);
+    assert_eq!(found[12..], ["- body floor", "+ body ground"]);
     let elsewhere = with_hash(&back.replace("start 0.5 0.5", "start 0.500001 0.5")).unwrap();
     let (_, second) = elsewhere.split_once('\n').unwrap();
     assert!(reason(&format!("{first}{second}")).contains("does not start"));
+}
+
+/// A scene of a robot with two turning links, of which one, by its number, is the parent of the hand.
+fn scene(links: [&str; 2], limits: &str, [of_hand, tip]: [u8; 2], hand: &str) -> String {
+    let at = "1 0 0 0";
+    let turning = |name: &str| {
+        let z = if name == "high" { 5 } else { 0 };
+        format!("link {name} 0 0 0 {z} {at} turn 0 1 0 0 0 1\n")
+    };
+    let z = if links[usize::from(of_hand) - 1] == "high" { 5 } else { 0 };
+    let scene = format!(
+        "scene it\njoint j {limits}\nlink root - 0 0 0 {at} fixed\n{}{}link hand {of_hand} 0 0 0 {at} fixed\n\
+         box 0 0 0 {at} {hand}\nbody block\nbox 3 0 0 {at} 0.5 0.5 9\nmargin 0\nstart 0\ntip {tip}\n\
+         goal it 0 0 {z} {at}\n",
+        turning(links[0]),
+        turning(links[1])
+    );
+    let proof = "path way\npiece\nq 0\nq 0\np 3 4 1,0,0\n";
+    format!("{scene}hash {}\n{proof}", sha256(scene.as_bytes()))
+}
+
+/// Between two scenes the arm stands still, so that it must be the same arm: its lines name parents by numbers, which stand for
+/// other links in another order.
+#[test]
+fn the_robot_is_the_same_in_all_scenes() {
+    let after = |second: &str| {
+        let first = scene(["high", "low"], "-1 1", [1, 3], "0.1 0.1 0.1");
+        check(&format!("cranny-certificate/1\n{first}{second}end\n"))
+    };
+    let refused = |second: &str, expected: &str| {
+        let (_, reason) = after(second).expect_err("another robot");
+        assert!(reason.contains(expected), "{reason}");
+    };
+    // The same, also if links have other numbers.
+    for second in [
+        scene(["high", "low"], "-1 1", [1, 3], "0.1 0.1 0.1"),
+        scene(["low", "high"], "-1 1", [2, 3], "0.1 0.1 0.1"),
+    ] {
+        let found = after(&second).unwrap();
+        assert!(!found.iter().any(|line| line.starts_with(['-', '+'])), "{found:?}");
+    }
+    refused(&scene(["low", "high"], "-1 1", [1, 3], "0.1 0.1 0.1"), "down to the tip");
+    refused(&scene(["high", "low"], "-9 9", [1, 3], "0.1 0.1 0.1"), "joints");
+    refused(&scene(["high", "low"], "-1 1", [1, 1], "0.1 0.1 0.1"), "down to the tip");
+    refused(&scene(["high", "low"], "-1 1", [1, 3], "0.1 0.1 0.2"), "down to the tip");
+    // With the tip above the hand, the hand may change, and the other turning link may not.
+    let of_high = |hand: &str, low: &str| {
+        let text = scene(["high", "low"], "-1 1", [1, 1], hand).replace("link low", low);
+        with_hash(&format!("cranny-certificate/1\n{text}")).unwrap().replace("cranny-certificate/1\n", "")
+    };
+    let first = of_high("0.1 0.1 0.1", "link low");
+    let follow = |second: &str| check(&format!("cranny-certificate/1\n{first}{second}end\n"));
+    let found = follow(&of_high("0.1 0.1 0.2", "link low")).unwrap();
+    let hand = "link hand high 0 0 0 1 0 0 0 fixed";
+    assert_eq!(found[found.len() - 2..], [format!("- {hand}"), format!("+ {hand}")]);
+    let (_, reason) = follow(&of_high("0.1 0.1 0.1", "link deep")).expect_err("another link");
+    assert!(reason.contains("moved against the tip"), "{reason}");
 }
 
 /// Nesting and counts that a file states cost nothing.
@@ -188,7 +246,7 @@ fn bounds_are_checked() {
     let turns = |angle: f64| bounded(&format!("cone level 2 1 0 0 1 0 0 {angle}"), "b 0 h . .\n");
     assert!(reason(&turns(0.49)).contains("bound"));
     let found = check(&turns(0.52)).unwrap();
-    assert_eq!(found[5], "cone level 2 1 0 0 1 0 0 0.52");
+    assert_eq!(found[5], "cone level arm 1 0 0 1 0 0 0.52");
     let upright = bounded("cone level 2 0 0 1 0 0 1 0.001", "b 0 .\n");
     check(&bounded("cone level 2 0 0 1 0 0 1 0.6", "b 0 .\n")).unwrap();
     assert!(reason(&upright).contains("bound"));

@@ -97,6 +97,13 @@ pub struct TaskArguments {
     pub grasps: Option<GivenGrasps>,
 }
 
+impl TaskArguments {
+    /// Returns true if a tilt bound is given.
+    pub fn is_upright(&self) -> bool {
+        self.margins.upright.is_some()
+    }
+}
+
 /// Maximum number of physics trials; each takes about a second.
 const MOST_TRIES: u64 = 1000;
 

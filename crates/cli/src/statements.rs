@@ -74,9 +74,10 @@ pub fn statement_lines(judgement: &Judgement) -> String {
     for statement in &judgement.differs {
         let _ = writeln!(lines, "  differs     {statement}");
     }
+    let as_stated = judgement.as_stated();
     for (name, values) in [
         ("demanded", demanded.join(", ")),
-        ("as stated", judgement.compared.join(", ")),
+        ("as stated", as_stated.join(", ")),
         ("unjudged", judgement.not_compared.join(", ")),
     ] {
         if !values.is_empty() {

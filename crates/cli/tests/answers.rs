@@ -119,3 +119,96 @@ fn a_slip_of_the_pen_gets_a_suggestion_wherever_a_name_is_looked_up() {
         assert!(hint.is_some_and(|(_, hint)| hint.contains(meant)), "{words}: {error}");
     }
 }
+
+/// A table with a box on it or above it, without grasps, and a place without a support.
+fn write_box(folder: &Path, height_m: f64) {
+    std::fs::create_dir_all(folder.join("box")).expect("a folder");
+    let scenario = format!(
+        "robot: panda_mobile
+start: [0, 0, -0.0178, -0.7601, 0.0198, -2.3421, 0.0298, 1.5412, 0.7534]
+floor: 0
+frame: {{position: [0, 0, 0.05]}}
+obstacles:
+  - {{name: table, pose: {{position: [0.9, 0, 0.25]}}, shapes: [{{box: {{size: [0.4, 1.2, 0.5]}}}}]}}
+target:
+  name: cube
+  mass_kg: 0.1
+  pose: {{position: [0.85, -0.2, {height_m}]}}
+  shapes: [{{box: {{size: [0.05, 0.05, 0.05]}}}}]
+places: [{{name: hover, target_pose: {{position: [0.85, 0, 0.5275]}}}}]
+"
+    );
+    std::fs::write(folder.join("box/scenario.yaml"), scenario).expect("written");
+}
+
+/// Before, such a search used its whole time, and gave a cause of grasps that had nothing to do with the place.
+#[test]
+fn a_place_without_a_support_ends_a_search_for_own_grasps_at_once() {
+    let folder = folder();
+    write_box(folder.path(), 0.5251);
+    let output = cranny(folder.path(), &["plan", "box", "--place", "hover", "--time-limit", "60"]);
+    let page = text(&output);
+    assert_eq!(output.status.code(), Some(1), "{page}");
+    let cause = "own grasps: with this grasp no placement of the object is feasible";
+    assert!(page.contains("no-reachable-grasp") && page.contains(cause), "{page}");
+}
+
+#[test]
+fn a_target_that_rests_on_nothing_is_named() {
+    let folder = folder();
+    for (height_m, floats) in [(0.5251, false), (0.565, true)] {
+        write_box(folder.path(), height_m);
+        let page = text(&cranny(folder.path(), &["plan", "box", "--carry", "home"]));
+        assert_eq!(page.contains("'cube' rests on nothing"), floats, "{page}");
+    }
+}
+
+#[test]
+fn options_without_an_effect_are_refused() {
+    let folder = folder();
+    for (arguments, expected) in [
+        (&["--speed", "carry=0.5"][..], "--speed: there is no motion 'carry'"),
+        (&["--tool-speed", "approach=0.5"], "--tool-speed: there is no motion 'approach'"),
+        (&["--carry", "home", "--speed", "retreat=0.5"], "--speed: there is no motion 'retreat'"),
+        (&["--hold", "3"], "--hold: nothing is carried"),
+        (&["--upright", "5"], "--upright: nothing is carried"),
+    ] {
+        let output = cranny(folder.path(), &[&["plan", "021"], arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(text(&output).contains(expected), "{}", text(&output));
+    }
+}
+
+#[test]
+fn a_fault_of_a_plan_file_names_the_file_and_only_what_is_as_stated_is_listed_so() {
+    let folder = folder();
+    let planned = cranny(folder.path(), &["plan", "021", "-o", "p.json"]);
+    assert_eq!(planned.status.code(), Some(0), "{}", text(&planned));
+    let plan: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("p.json")).expect("a plan")).expect("JSON");
+    let verify = |pointer: &str, value: &str| {
+        let mut other = plan.clone();
+        *other.pointer_mut(pointer).expect("a value") = "@".into();
+        let other = other.to_string().replace("\"@\"", value);
+        std::fs::write(folder.path().join("other.json"), other).expect("written");
+        let output = cranny(folder.path(), &["verify", "021", "other.json"]);
+        (output.status.code(), text(&output))
+    };
+    let (code, page) = verify("/margins/margin_m", "-0.01");
+    assert!(code == Some(2) && page.contains("other.json: its 'margins': a margin must be"), "{page}");
+    let (code, page) = verify("/seed", "1000000000000000000000000000000");
+    assert!(code == Some(2) && page.contains("other.json") && page.contains("1e30 is too large"), "{page}");
+    let (code, page) = verify("/least_length", "2.8");
+    let as_stated = page.lines().find(|line| line.starts_with("  as stated")).expect("a line");
+    assert!(code == Some(1) && page.contains("least_length: the file states 2.80"), "{page}");
+    assert!(as_stated.contains("outcome") && !as_stated.contains("least_length"), "{as_stated}");
+}
+
+/// A scenario whose only goals are regions has no grasps.
+#[test]
+fn a_scenario_of_regions_is_sound_without_grasps() {
+    let folder = folder();
+    let hover = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/tutorial/hover");
+    let output = cranny(folder.path(), &["scenario", "check", &hover.to_string_lossy()]);
+    assert!(output.status.code() == Some(0) && text(&output).contains("sound"), "{}", text(&output));
+}

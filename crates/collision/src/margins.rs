@@ -34,7 +34,11 @@ pub(crate) fn is_tilt(tilt_rad: f64) -> bool {
 }
 
 impl Margins {
-    pub(crate) fn check(&self) -> Result<(), CollisionError> {
+    /// Checks the range of each value.
+    ///
+    /// # Errors
+    /// [`CollisionError::Margin`] for one that is negative or not finite, [`CollisionError::Tilt`] for a tilt out of range.
+    pub fn check(&self) -> Result<(), CollisionError> {
         for value in [self.margin_m, self.grasp_margin_m, self.object_margin_m] {
             if !(value.is_finite() && value >= 0.0) {
                 return Err(CollisionError::Margin { value });

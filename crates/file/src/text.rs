@@ -144,7 +144,16 @@ fn plain(said: &str) -> String {
     for (theirs, ours) in WORDS {
         words = words.replace(theirs, ours);
     }
-    words
+    too_large(&words).unwrap_or(words)
+}
+
+/// Returns another message for a whole number beyond 64 bits, which is read as a number of another kind.
+fn too_large(words: &str) -> Option<String> {
+    let (before, rest) = words.split_once("invalid type: floating point `")?;
+    let (number, after) = rest.split_once("`, expected a whole number")?;
+    let value = number.parse::<f64>().ok().filter(|value| value.abs() >= u64::MAX as f64)?;
+    let after = after.strip_prefix(", at least 0").unwrap_or(after);
+    Some(format!("{before}{value:e} is too large: expected a whole number up to {}{after}", u64::MAX))
 }
 
 const WORDS: [(&str, &str); 32] = [

@@ -279,7 +279,7 @@ fn check_hold(audit: &mut Audit, carrier: &Carrier, grip: &Grip, segment: &Segme
     let off_m = (opening_m - grip.opening_m).abs();
     if name != carrier.object() || off_m.is_nan() || off_m > OPENING_TOLERANCE_M {
         let held = (carrier.object().to_owned(), grip.opening_m);
-        let cause = Cause::Hold { said: (name.clone(), opening_m), held };
+        let cause = Cause::Hold { said: (name.clone(), opening_m), held, mode: segment.mode.name };
         audit.violations.push(Violation::at_way_point(way_point, cause));
     }
 }

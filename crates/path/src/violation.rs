@@ -181,6 +181,8 @@ pub enum Cause {
         said: (String, f64),
         /// Object that the hand closes on, and distance between the fingers, in metres.
         held: (String, f64),
+        /// Mode of the segment that states it.
+        mode: &'static str,
     },
     /// The carried object is still too close to a body at the end of the move.
     #[strum(to_string = "goal")]
@@ -398,10 +400,10 @@ impl fmt::Display for Violation {
             Cause::Unfinished { stage, stages } => {
                 write!(f, "the path ends in stage {} of {stages}, before that is done", stage + 1)
             }
-            Cause::Hold { said, held } => {
+            Cause::Hold { said, held, mode } => {
                 let [said, held] = [said, held]
                     .map(|(name, opening_m)| format!("{name}, fingers {:.2} mm apart", mm(*opening_m)));
-                write!(f, "{at}: the hand holds {held}; stated: {said}")
+                write!(f, "{at}: the hand holds {held}; stated of '{mode}': {said}")
             }
         }
     }
@@ -432,7 +434,7 @@ impl Serialize for Violation {
             Cause::NotStraight { length_m, required_m } => {
                 &[("length_m", *length_m), ("required_m", *required_m)]
             }
-            Cause::Hold { said, held } => &[("said_opening_m", said.1), ("opening_m", held.1)],
+            Cause::Hold { said, held, .. } => &[("said_opening_m", said.1), ("opening_m", held.1)],
             Cause::WeakGrasp { score, required } => &[("score", *score), ("required", *required)],
             Cause::StatedGrasp { stated_and_measured } => {
                 let [said, measured] = stated_and_measured.as_ref();

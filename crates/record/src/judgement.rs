@@ -1,5 +1,5 @@
 use cranny_collision::Margins;
-use cranny_path::{Audit, AuditSettings, Clearances, audit_without_proof, path_length};
+use cranny_path::{Audit, AuditSettings, Cause, Clearances, Violation, audit_without_proof, path_length};
 use cranny_plan::{Outcome, PlanError};
 use cranny_scenario::NamedTask;
 use cranny_solve::{HoldFactors, Robustness, Tilt, ToolSlack, least_length};
@@ -30,6 +30,21 @@ pub struct Judgement {
     /// True if the plan was made for the task of this audit, with any set of grasps.
     #[serde(skip)]
     pub is_own_task: bool,
+}
+
+impl Judgement {
+    /// Returns the compared keys of the file without those of differing or false values.
+    pub fn as_stated(&self) -> Vec<&'static str> {
+        let false_key = |violation: &Violation| match &violation.cause {
+            Cause::Statement { key, .. } => Some(key.clone()),
+            _ => None,
+        };
+        let differing = self.differs.iter().map(|statement| statement.key.clone());
+        let other: Vec<String> =
+            differing.chain(self.audit.violations.iter().filter_map(false_key)).collect();
+        let is_other = |key: &str| other.iter().any(|other| first_key(other) == key);
+        self.compared.iter().copied().filter(|key| !is_other(key)).collect()
+    }
 }
 
 /// Requirements on a path that a plan file contains.
@@ -191,10 +206,10 @@ impl PlanFile {
             Some(along) => HoldFactors::of(problem, along, &self.segments, self.timing_asked())?,
             None => None,
         };
-        // The plan states the requirement, which must not exceed the measured factor.
+        // The plan of a task states the requirement, which must not exceed the measured factor.
         let met =
             |demanded: f64| hold.map_or(demanded, |hold| demanded.min(hold.factor.unwrap_or(hold.at_rest)));
-        let hold_demanded = self.hold_demanded.map(met);
+        let hold_demanded = self.hold_demanded.filter(|_| !self.task.is_empty()).map(met);
         let measured = self.measured(task, (along, problem), &audit, settings)?;
         let tilt = along.filter(|_| self.tilt.is_some() && audit.valid);
         let tilt = tilt.and_then(|along| Tilt::of(along, &self.segments));
@@ -219,7 +234,7 @@ impl PlanFile {
         let measured_keys: Vec<_> = MEASURED.into_iter().filter(is_promise).filter(is_named).collect();
         if holds {
             for statement in differences(&measured_keys, &stated, &found) {
-                let key = statement.key.split(['.', '[']).next().unwrap_or_default();
+                let key = first_key(&statement.key);
                 // Without a proof, no stated clearance is true.
                 let is_unproven =
                     problem.cell().is_none() && statement.measured.is_null() && key != NOT_CHECKED;
@@ -376,6 +391,11 @@ fn figures(plan: &PlanFile) -> Value {
     let segments = plan.segments.iter().map(|segment| Segment { waypoints: Vec::new(), ..segment.clone() });
     let without = PlanFile { waypoints: Vec::new(), segments: segments.collect(), ..plan.clone() };
     serde_json::to_value(without).unwrap_or_default()
+}
+
+/// Returns the key of the file on a path through objects and lists.
+fn first_key(key: &str) -> &str {
+    key.split(['.', '[']).next().unwrap_or_default()
 }
 
 /// Returns true if a value states anything: `null` and an empty list do not.

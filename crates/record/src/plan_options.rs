@@ -7,7 +7,7 @@ use cranny_plan::{Budget, OptimiseSettings, Registry};
 use cranny_scenario::{NamedTask, Scenario, ScenarioError};
 use cranny_solve::{DEFAULT_HOLD, PoseRadius, Request, Timing};
 use cranny_spatial::Vector;
-use cranny_task::{AfterPlacing, CLEAR_M, Move, PlaceAt, Problem, Stage};
+use cranny_task::{AfterPlacing, CLEAR_M, Mode, Move, PlaceAt, Problem, Stage};
 use serde_json::{Map, Value};
 
 use crate::{RecordError, SpeedOptions};
@@ -147,6 +147,7 @@ impl PlanOptions {
     ) -> Result<(Request, Option<NamedTask>), RecordError> {
         let (stages, task) = self.stages(scenario)?;
         let stages = self.straight(problem, stages)?;
+        self.check_effect(&stages)?;
         let stages = match (self.robust, scenario) {
             (Some(error), Some(scenario)) => {
                 scenario.forgiving(&stages, error.translation_m, error.rotation_rad)
@@ -211,6 +212,33 @@ impl PlanOptions {
             Value::Array(_) => serde_json::from_value(value).map(Move::Regions).map_err(fault),
             _ => serde_json::from_value(value).map(|region| Move::Regions(vec![region])).map_err(fault),
         }
+    }
+
+    /// Refuses options that have no effect on these stages: a firm hold of nothing, and a speed of motions that do not occur.
+    fn check_effect(&self, stages: &[Stage]) -> Result<(), RecordError> {
+        let has = |is_it: fn(&Stage) -> bool| stages.iter().any(is_it);
+        let (picks, places) =
+            (has(|stage| matches!(stage, Stage::Pick(_))), has(|stage| matches!(stage, Stage::Place(_))));
+        // A pick as the only stage ends at the grasp.
+        let carries = picks && stages.len() > 1;
+        let is_approach = has(|stage| matches!(stage, Stage::Pick(pick) if pick.approach_m > 0.0));
+        if !carries && self.hold.to_bits() != DEFAULT_HOLD.to_bits() {
+            let problem = "nothing is carried in this task".to_owned();
+            return Err(RecordError::PlanOptions { field: "hold", problem });
+        }
+        for (field, mode) in self.paces.modes() {
+            let occurs = match mode {
+                Mode::LIFT_OFF | Mode::CARRY => carries,
+                Mode::SET_DOWN | Mode::RETREAT | Mode::RETURN => places,
+                Mode::APPROACH => is_approach,
+                _ => true,
+            };
+            if !occurs {
+                let problem = format!("there is no motion '{}' in this task", mode.name);
+                return Err(RecordError::PlanOptions { field, problem });
+            }
+        }
+        Ok(())
     }
 
     /// Returns stages with the requested straight approaches and retreats.

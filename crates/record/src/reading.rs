@@ -27,6 +27,8 @@ fn check_task(path: &Path, plan: &PlanFile) -> Result<(), RecordError> {
     let mut ends = ends;
     let problem = if let Some(geometry) = unknown {
         format!("its 'geometry' is '{geometry}', but must be 'scene' or 'export'")
+    } else if let Err(problem) = plan.margins.check() {
+        format!("its 'margins': {problem}")
     } else if let Err(problem) = check_segments(stages, &plan.segments) {
         problem
     } else if joined(&plan.segments) != plan.waypoints || clearances_m != plan.clearances_per_edge_m {

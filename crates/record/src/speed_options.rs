@@ -59,6 +59,19 @@ impl SpeedOptions {
         }
     }
 
+    /// Modes that these words name, each with the field that names it.
+    pub(crate) fn modes(&self) -> impl Iterator<Item = (&'static str, Mode)> {
+        let fields = [
+            ("speed", &self.speed),
+            ("acceleration", &self.acceleration),
+            ("tool_speed", &self.tool_speed),
+            ("turn_speed", &self.turn_speed),
+        ];
+        fields
+            .into_iter()
+            .flat_map(|(field, words)| words.iter().filter_map(move |word| Some((field, word.mode?))))
+    }
+
     /// Returns the requested paces; `tool_m_s` is the greatest speed of the gripper frame, in m/s, if the words state none for
     /// all motions.
     ///

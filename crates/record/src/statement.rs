@@ -72,9 +72,11 @@ impl fmt::Display for Statement {
 /// Condition under which a differing value is false.
 #[derive(Clone, Copy)]
 enum Law {
-    /// A lower bound: false above the measured value, because nothing proves it. A weaker bound is true. A version measures a
-    /// path identically each time, so only rounding is allowed.
+    /// A lower bound: false above the measured value, or without one, because nothing proves it. A weaker bound is true. A
+    /// version measures a path identically each time, so only rounding is allowed.
     AtLeast,
+    /// A clearance: a lower bound that no value exceeds if nothing is near, so that none is measured.
+    Clearance,
     /// An upper bound: false below the measured value by more than [`DEPTH_TOLERANCE_M`].
     AtMost,
     /// Never false.
@@ -89,12 +91,8 @@ impl Law {
     /// Returns the law of a key of a plan file.
     fn of(key: &str) -> Self {
         match key {
-            "clearance_m"
-            | "clearances_per_edge_m"
-            | "least_length"
-            | "robustness"
-            | "hold"
-            | "hold_demanded" => Self::AtLeast,
+            "clearance_m" | "clearances_per_edge_m" => Self::Clearance,
+            "least_length" | "robustness" | "hold" | "hold_demanded" => Self::AtLeast,
             "own_grasp" => Self::Judged,
             // Under `paper` the audit uses its own threshold: it measures which grasp is reached, and how exactly.
             "goal_threshold" => Self::Reported,
@@ -105,7 +103,8 @@ impl Law {
     /// Returns the law of a key within a value.
     fn within(self, key: &str) -> Self {
         match key {
-            "clearances_m" | "slack_m" | "slack_rad" => Self::AtLeast,
+            "clearances_m" => Self::Clearance,
+            "slack_m" | "slack_rad" => Self::AtLeast,
             "opening_m" => Self::Judged,
             "greatest_rad" => Self::AtMost,
             "mass_assumed" => Self::Equal,
@@ -117,11 +116,10 @@ impl Law {
 
     fn is_false(self, stated: &Value, measured: &Value) -> bool {
         match (self, stated.as_f64(), measured.as_f64()) {
-            // A clearance without a measured value: nothing is near.
-            (Self::Reported, _, _) | (Self::Judged, Some(_), Some(_)) | (Self::AtLeast, Some(_), None) => {
+            (Self::Reported, _, _) | (Self::Judged, Some(_), Some(_)) | (Self::Clearance, Some(_), None) => {
                 false
             }
-            (Self::AtLeast, Some(stated), Some(measured)) => stated > measured,
+            (Self::AtLeast | Self::Clearance, Some(stated), Some(measured)) => stated > measured,
             (Self::AtMost, Some(stated), Some(measured)) => stated < measured - DEPTH_TOLERANCE_M,
             (_, Some(stated), Some(measured)) => !is_near(stated, measured, TOLERANCE),
             _ => true,

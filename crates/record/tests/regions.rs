@@ -121,5 +121,5 @@ fn a_scenario_with_a_region_needs_neither_target_nor_grasps() {
     assert!(solve(&problem, &request, &mut Unobserved).unwrap().is_valid());
     let without = PlanOptions::default().request(&problem, Some(&scenario)).unwrap().0;
     let fault = solve(&problem, &without, &mut Unobserved).unwrap_err().to_string();
-    assert!(fault.contains("name one as goal region"), "{fault}");
+    assert!(fault.contains("cranny plan --goal-region"), "{fault}");
 }

@@ -142,6 +142,22 @@ fn what_is_left_out_makes_no_other_statement_true() {
     assert!(judge(&other).audit.valid);
 }
 
+/// Bounds for which nothing was measured are not true, except that nothing is near.
+#[test]
+fn invented_bounds_are_false() {
+    let (problem, source, carried) = planned("035", carry());
+    let (reaching, reach_source, reach) = planned("021", Vec::new());
+    assert!(carried["least_length"].is_null() && reach["hold_demanded"].is_null());
+    let keys = |plan: &Value, key: &str, (source, problem): (&PlanSource, &Problem)| -> Vec<String> {
+        let mut plan = plan.clone();
+        plan[key] = json!(0.1);
+        let found = read(&plan).unwrap().judge(source, problem, AuditSettings::default()).unwrap().unwrap();
+        found.audit.violations.iter().map(|violation| violation.kind().to_owned()).collect()
+    };
+    assert_eq!(keys(&carried, "least_length", (&source, &problem)), ["statement"]);
+    assert_eq!(keys(&reach, "hold_demanded", (&reach_source, &reaching)), ["statement"]);
+}
+
 /// A bound larger than the measured one is not proven, even by the smallest amount.
 #[test]
 fn a_bound_holds_to_the_last_digit() {

@@ -123,6 +123,20 @@ pub enum ScenarioError {
         /// Names of the joints.
         joints: String,
     },
+    /// A joint starts outside its limits.
+    #[error("{at}: the start is not free: {joint} is {value}, outside its limits [{lower}, {upper}]")]
+    StartBeyond {
+        /// Location in the file.
+        at: Location,
+        /// The joint.
+        joint: String,
+        /// Its value (m, rad).
+        value: f64,
+        /// Its lower limit (m, rad).
+        lower: f64,
+        /// Its upper limit (m, rad).
+        upper: f64,
+    },
     /// A joint is named that the robot does not have.
     #[error("{at}: unknown joint '{joint}' (the robot has: {known}){}", did_you_mean(joint, known.split(", ")))]
     UnknownJoint {

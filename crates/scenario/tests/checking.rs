@@ -100,3 +100,53 @@ fn every_line_of_grasps_and_solutions_is_checked() {
         assert!(said.contains(expected), "{said}");
     }
 }
+
+/// A fault within a named region removed another region before, so that it was reported once for each, at wrong lines.
+#[test]
+fn a_fault_in_a_region_is_named_once_at_its_line() {
+    let regions = "criterion: exact
+regions:
+  above:
+    frames:
+      - {pose: {position: [0.9, 0, 0.6]}, x: [-1, 1]}
+  bad:
+    frames:
+      - {pose: {position: [0.9, 0, 0.6]}}
+      - {pose: {position: [0.9, 0, 0.6]}, x: [1, 0]}
+  near:
+    hand: {position: [0.4, 0, 0.6]}
+    within_m: [0.1, 0.1, 0.1]
+";
+    expect(&[("criterion: paper\n", regions)], &["scenario.yaml:37: 'x' is [1, 0], which is empty"]);
+    // A scenario without a target, whose only region is the unreadable one, needs no grasps.
+    let folder = tempfile::tempdir().unwrap();
+    let text = "robot: panda_mobile
+start: [0, 0, 0, -0.7, 0, -2.3, 0, 1.5, 0.7]
+floor: 0
+regions:
+  bad: {frames: [{x: [1, 0]}]}
+";
+    fs::write(folder.path().join("scenario.yaml"), text).unwrap();
+    let found = check(folder.path().to_str().unwrap()).unwrap();
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(found[0].to_string().contains("scenario.yaml:5: 'x' is [1, 0]"), "{}", found[0]);
+}
+
+#[test]
+fn each_bound_and_each_joint_of_the_start_is_checked() {
+    let bounds = "criterion: exact
+tool_bounds:
+  - {name: a, size: [1, 1, -1]}
+  - {name: b, axis: [0, 0, 0], toward: [0, 0, 1], within_deg: 400}
+  - {name: a, radius: 1}
+";
+    expect(
+        &[("criterion: paper\n", bounds), ("panda_joint7: 0.7534", "panda_joint7: 99")],
+        &[
+            "the start is not free: panda_joint7 is 99",
+            "scenario.yaml:31: bound 'a'",
+            "scenario.yaml:32: bound 'b'",
+            "scenario.yaml:33: the name 'a'",
+        ],
+    );
+}

@@ -107,7 +107,11 @@ fn tip(robot: &Robot) -> Finding {
 
 fn hand(robot: &Robot) -> Finding {
     let links: Vec<&str> = robot.hand_links().iter().map(|&link| name(robot, link)).collect();
-    let links = links.join(", ");
+    let links = if links.is_empty() {
+        "no link with a `<collision>` below the gripper frame".to_owned()
+    } else {
+        links.join(", ")
+    };
     if let Some(tool) = robot.tool() {
         let consequence = "grasps from files are reached; none are sampled, as it has no pads that close, and nothing is \
                            carried";

@@ -42,8 +42,8 @@ pub enum ShapeError {
     },
     /// A mesh that should be solid has a hole.
     #[error(
-        "the mesh has a hole: {edges} of its edges belong to one triangle only, so it encloses no volume \
-         (close it, or take its convex hull)"
+        "the mesh has a hole: {edges} of its edges belong to one triangle only (equal triangles count once), so it \
+         encloses no volume (close it, or take its convex hull)"
     )]
     Open {
         /// Number of edges that lack their second triangle.

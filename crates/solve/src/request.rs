@@ -300,6 +300,11 @@ impl Request {
         if self.stages.is_empty() { Stage::of_goal(problem) } else { self.stages.clone() }
     }
 
+    /// Returns true if the planner generates the grasps of the first pick.
+    pub fn makes_first_grasps(&self, problem: &Problem) -> bool {
+        self.first_problem(problem).is_ok_and(|first| first.grasp_measure().is_some())
+    }
+
     pub(crate) fn first_problem(&self, problem: &Problem) -> Result<Problem, TaskError> {
         match (self.stages.first(), State::start(problem)) {
             (Some(Stage::Pick(pick)), Some(start)) => start.picking(problem, pick),

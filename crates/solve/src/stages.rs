@@ -4,6 +4,7 @@ mod approach;
 pub(crate) mod chain;
 mod effort;
 mod later_stage_checks;
+mod later_stages;
 pub(crate) mod onward;
 mod place_search;
 mod refusals;

@@ -1,5 +1,6 @@
 use std::fmt;
 
+use cranny_collision::Cell;
 use cranny_file::distinct;
 use cranny_robot::LimitViolation;
 use cranny_spatial::{CONTACT_M, ROUNDING_M};
@@ -55,6 +56,16 @@ pub enum ConfigurationFault {
     Refused,
 }
 
+/// Returns the bounds of the tool that are exceeded at `q` (m, rad; one per joint).
+pub(crate) fn exceeded_bounds(cell: &Cell, q: &[f64]) -> Vec<ConfigurationFault> {
+    let exceeded = cell.tool_bounds().enumerate().filter_map(|(index, bound)| {
+        let by = cell.tool_excess(index, q, &mut cell.scratch());
+        let (name, is_angle) = (bound.name.clone(), bound.region.is_of_angle());
+        (by > -ROUNDING_M).then_some(ConfigurationFault::OutOfBounds { name, by, is_angle })
+    });
+    exceeded.collect()
+}
+
 impl Problem {
     /// Returns all reasons why `q` (m, rad; one per joint) is not free; lists no contacts if a joint is outside its limits.
     ///
@@ -83,12 +94,7 @@ impl Problem {
                     let (clearance_m, required_m) = (contact.clearance_m, contact.required_m);
                     ConfigurationFault::Clearance { first, second, clearance_m, required_m }
                 };
-                let bounds = cell.tool_bounds().enumerate().filter_map(|(index, bound)| {
-                    let by = cell.tool_excess(index, q, &mut cell.scratch());
-                    let (name, is_angle) = (bound.name.clone(), bound.region.is_of_angle());
-                    (by > -ROUNDING_M).then_some(ConfigurationFault::OutOfBounds { name, by, is_angle })
-                });
-                contacts.iter().map(fault).chain(bounds).collect()
+                contacts.iter().map(fault).chain(exceeded_bounds(cell, q)).collect()
             }
             Validity::Paper { check, .. } => {
                 let is_free = check.is_free(q, &mut check.scratch());

@@ -99,7 +99,7 @@ pub enum TaskError {
     },
     /// The problem has no goal.
     #[error(
-        "the problem has no goal: neither a grasp nor a configuration nor a region; of the `regions` of a scenario, name one as goal region"
+        "the problem has no goal: neither a grasp nor a configuration nor a region; of the `regions` of a scenario, `cranny plan --goal-region` (`goal_region` in Python) takes one; a campaign has no key for it"
     )]
     NoGoal,
     /// IK annotation needs a set of grasps and the exact criterion.

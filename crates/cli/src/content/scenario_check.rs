@@ -47,8 +47,8 @@ pub fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
                     .iter()
                     .any(|pose| cell.hand_is_free(pose, &mut scratch))
             };
-            if scenario.has_grasp_set && !scenario.grasps.grasps().iter().any(is_free) {
-                let count = scenario.grasps.len();
+            let count = scenario.grasps.len();
+            if scenario.has_grasp_set && count > 0 && !scenario.grasps.grasps().iter().any(is_free) {
                 problems.push(format!("the hand collides at every one of the {count} grasps"));
             }
         }

@@ -195,7 +195,12 @@ fn page(executed: &ExecutedPlan, count: usize) -> String {
     let there = steps.iter().filter(|step| step.row.is_as_planned()).count();
     let anew =
         new_plans.map_or_else(String::new, |new_plans| format!(", {}", counted(new_plans, "new plan")));
-    let mut page = format!("{scenario}: {there} of {count} steps as planned{anew}\n");
+    let contacts = match steps.iter().map(|step| step.row.contacts.len()).sum::<usize>() {
+        0 => String::new(),
+        contacts => format!(", {} that the plan does not have", counted(contacts, "contact")),
+    };
+    let mut page =
+        format!("{scenario}: {there} of {} as planned{contacts}{anew}\n", counted(count, "object"));
     for (index, step) in steps.iter().enumerate() {
         let _ = write!(page, "step {}, {}", index + 1, page_of(&step.object, &step.row));
     }
@@ -207,9 +212,12 @@ fn page(executed: &ExecutedPlan, count: usize) -> String {
 
 /// Formats the result of the plan called `name`.
 fn page_of(name: &str, row: &PlanRow) -> String {
-    let mut page = format!("{}: {} after a path of {:.1} s", name, row.outcome.name(), row.reach_s);
+    let mut page =
+        format!("{}: {}, after a path of {:.1} s to the grasp", name, row.outcome.name(), row.reach_s);
     if row.lift_m > 0.0 {
         let _ = write!(page, " and a lift of {}", millimetres(row.lift_m));
+    } else {
+        let _ = write!(page, ", of {:.1} s that were simulated", row.simulated_s);
     }
     page.push('\n');
     for contact in &row.contacts {
@@ -221,8 +229,13 @@ fn page_of(name: &str, row: &PlanRow) -> String {
     if !row.contacts.iter().any(|contact| !contact.is_lifting) {
         page.push_str("  nothing was touched before the hand closed\n");
     }
-    let (pushed, rose) = (millimetres(row.pushed_m), millimetres(row.rose_m));
-    let _ = writeln!(page, "  the object was pushed by {pushed} before, and rose by {rose}");
+    let pushed = millimetres(row.pushed_m);
+    let rose = match &row.released {
+        // The place of an object that was put down is below.
+        Some(_) => String::new(),
+        None => format!(", and is {} higher at the end", millimetres(row.rose_m)),
+    };
+    let _ = writeln!(page, "  the object was pushed by {pushed} before{rose}");
     let end = if row.released.is_some() { "until it was released" } else { "to the end" };
     let stayed = match (row.is_kept, row.is_in_hand || row.released.is_some()) {
         (true, _) => format!("stayed in the hand {end}"),

@@ -63,9 +63,10 @@ impl Settled {
         }
         let _ = writeln!(page, "  elsewhere {elsewhere}, still moving {still_moving}");
         if let Some(ChiSquared { statistic, degrees_of_freedom, p_value }) = chi_squared {
+            let degrees = if *degrees_of_freedom == 1 { "degree" } else { "degrees" };
             let _ = writeln!(
                 page,
-                "  χ² = {statistic:.1} with {degrees_of_freedom} degrees of freedom, p = {p_value:.3}"
+                "  χ² = {statistic:.1} with {degrees_of_freedom} {degrees} of freedom, p = {p_value:.3}"
             );
         }
         page

@@ -13,7 +13,7 @@ use cranny_record::{
 use cranny_scenario::STEPS;
 use cranny_sim::{SimulatedAnswer, solve_in_physics};
 use cranny_solve::solve;
-use cranny_task::Move;
+use cranny_task::{Move, Problem, TaskError};
 
 use crate::arguments::{Output, PlanArguments};
 use crate::failure::Failure;
@@ -29,10 +29,15 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     let begin = Instant::now();
     let PlanArguments { carry, place, steps, named_task, robust, .. } = arguments;
     let goes_on = carry.is_some() || place.is_some() || *steps || named_task.is_some();
+    if arguments.task.is_upright() && !goes_on {
+        let problem = "nothing is carried in this task".to_owned();
+        return Err(Failure::Flag { flag: "upright", problem });
+    }
     let margins = Margins { grasp_margin_m: default_grasp_margin_m(goes_on, *robust), ..Margins::default() };
     let demand = Demand { robust: *robust, margins, ..Demand::default() };
-    let PlanTask { source, grasps, problem, deviations, tool_m_s, scenario } =
+    let PlanTask { source, grasps, problem, mut deviations, tool_m_s, scenario } =
         PlanTask::open(&arguments.task, &arguments.moveit, demand, output)?;
+    deviations.extend(goes_on.then(|| unsupported_target(&problem)).transpose()?.flatten());
     let preparation_time_s = begin.elapsed().as_secs_f64();
     let ask = PlanOptions { registry: registry.clone(), tool_m_s, ..ask(arguments, problem.robot().dof())? };
     let (request, task) = ask.request(&problem, scenario.as_ref())?;
@@ -94,6 +99,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
         timing_time_s,
         trajectory_file: trajectory_file.as_deref(),
         clearance_limit: answer.audit.as_ref().and_then(|audit| audit.clearance_limit.as_ref()),
+        makes_first_grasps: request.makes_first_grasps(&problem),
         untimed: answer.untimed.clone(),
         plan: &plan,
     };
@@ -109,6 +115,16 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     }
     let is_as_asked = certified.is_none_or(|certified| certified.is_certified());
     Ok(if solved && is_as_asked { Answer::Done } else { Answer::No })
+}
+
+/// Describes a target that rests on nothing; `None` for one with a support.
+fn unsupported_target(problem: &Problem) -> Result<Option<String>, Failure> {
+    let Some((cell, target)) = problem.cell().zip(problem.target()) else { return Ok(None) };
+    let resting = cell.resting(target).map_err(TaskError::from)?;
+    let name = &cell.world().bodies()[target].name;
+    Ok(resting.supports().next().is_none().then(|| {
+        format!("'{name}' rests on nothing, and would fall before it is grasped (`cranny scenario check` simulates it)")
+    }))
 }
 
 /// Parses the destination of `--carry`.

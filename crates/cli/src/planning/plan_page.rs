@@ -39,6 +39,9 @@ pub struct Answered<'a> {
     pub trajectory_file: Option<&'a Path>,
     /// Pair of bodies that limits the clearance.
     pub clearance_limit: Option<&'a ClearanceLimit>,
+    /// True if the planner generates the grasps of the first pick.
+    #[serde(skip)]
+    pub makes_first_grasps: bool,
     /// Reason why there is no trajectory.
     #[serde(skip)]
     pub untimed: Option<String>,
@@ -296,12 +299,18 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
     }
 }
 
-/// Adds the obstacles between the robot and its grasps, with the planner's own grasps combined, and the reason if no grasp was
-/// chosen.
-pub fn blocked(plan: &PlanFile, is_own: bool, line: &mut dyn FnMut(&str, String)) {
-    for (reason, count) in GraspFailure::counted(&plan.failures) {
+/// Adds the obstacles between the robot and its grasps, the number of grasps that were not tried, and the reason if no grasp was
+/// chosen. A planner does not count its own grasps.
+fn blocked(plan: &PlanFile, is_own: bool, line: &mut dyn FnMut(&str, String)) {
+    let is_tried = |failure: &&GraspFailure| !failure.reason.is_of_budget();
+    let tried: Vec<GraspFailure> = plan.failures.iter().filter(is_tried).cloned().collect();
+    for (reason, count) in GraspFailure::counted(&tried) {
         let which = if is_own { "own grasps".to_owned() } else { counted(count, "grasp") };
         line("blocked", format!("{which:>11}: {reason}"));
+    }
+    let left = plan.failures.len() - tried.len();
+    if left > 0 && !is_own {
+        line("not tried", counted(left, "grasp"));
     }
     let margins = demanded_margins(&plan.margins);
     if !(plan.failures.is_empty() || margins.is_empty()) {
@@ -385,7 +394,8 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     line("search", searched(statistics));
     if statistics.ik_attempts > 0 {
         let attempts = counted(statistics.ik_attempts, "IK attempt");
-        line("grasps", format!("{} tried, {attempts}", counted(statistics.goals_tried, "goal")));
+        let goals = counted(statistics.goals_tried, "free goal configuration");
+        line("goals", format!("{goals} found, {attempts}"));
     }
     line("time", times(answered));
     if let (Some(shortening), Some(seconds)) = (&plan.shortening, answered.shortcut_time_s) {
@@ -398,7 +408,7 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
             line("cost", format!("{cost:.3} ({kind}) after {time_s:.3} s, {iterations}"));
         }
     }
-    blocked(plan, grasps.is_empty(), &mut line);
+    blocked(plan, answered.makes_first_grasps, &mut line);
     for fault in &answered.start_faults {
         line("start", fault.clone());
     }

@@ -1,7 +1,9 @@
 use std::fmt::Write as _;
+use std::path::Path;
 
 use cranny_file::counted;
 use cranny_path::{Audit, AuditSettings, audit_with};
+use cranny_plan::PlanError;
 use cranny_record::{Judgement, read_waypoints};
 use cranny_task::Criterion;
 use serde::Serialize;
@@ -26,7 +28,8 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
         check_plan(file, plan, problem.robot(), &source.scenario, "judged against")?;
         plan.check_path(file, problem.robot().dof())?;
         let source = scenario.as_ref().map_or_else(|| source.clone(), |known| plan.source_in(known, &source));
-        let judgement = plan.judge(&source, &problem, settings)?.ok_or(cranny_path::PathError::EmptyPath)?;
+        let judgement = plan.judge(&source, &problem, settings).map_err(|fault| in_plan(file, fault))?;
+        let judgement = judgement.ok_or(cranny_path::PathError::EmptyPath)?;
         (Judged::Plan(Box::new(judgement)), plan.waypoints.len())
     } else {
         let path = read_waypoints(file, problem.robot().dof())?;
@@ -37,6 +40,14 @@ pub fn run(arguments: &VerifyArguments, output: Output) -> Result<Answer, Failur
     let answered = Answered { criterion: problem.criterion(), brought, deviations, judged };
     text::answer(&answered, || page(&answered, way_points, &limited_by), output)?;
     Ok(if answered.judged.audit().valid { Answer::Done } else { Answer::No })
+}
+
+/// Names the plan file, which has the stages that do not fit the problem.
+fn in_plan(file: &Path, fault: PlanError) -> Failure {
+    match fault {
+        PlanError::Task(fault) => Failure::File { path: file.to_owned(), problem: fault.to_string() },
+        fault => fault.into(),
+    }
 }
 
 /// Maximum number of violations printed.
@@ -85,7 +96,7 @@ fn page(answered: &Answered, way_points: usize, limited_by: &str) -> String {
     let mut page = format!("{word}{by}{but_for}: {}\n", counted(way_points, "way point"));
     page.push_str(&brought.lines());
     for violation in audit.violations.iter().take(MOST_SHOWN) {
-        let _ = writeln!(page, "  {:<12}{violation}", violation.kind());
+        let _ = writeln!(page, "  {:<11} {violation}", violation.kind());
     }
     if let Some(more) = audit.violations.len().checked_sub(MOST_SHOWN).filter(|more| *more > 0) {
         let _ = writeln!(page, "  …           {more} more; --json lists them all");

@@ -3,9 +3,8 @@
 use std::collections::HashSet;
 use std::path::Path;
 
-use cranny_collision::World;
 use cranny_grasp::check_csv;
-use cranny_robot::Robot;
+use cranny_robot::{LimitViolation, Robot};
 use cranny_shape::Solid;
 use cranny_spatial::Pose;
 
@@ -54,9 +53,12 @@ pub fn check_folder(folder: &Path) -> Result<Vec<ScenarioError>, ScenarioError> 
         return Err(ScenarioError::NoScenarioFile { folder: folder.to_owned() });
     }
     let mut faults = Vec::new();
-    let legible = Legible::of(&path, &yaml::text(cranny_file::TEXT, &path)?, &mut faults);
+    let text = yaml::text(cranny_file::TEXT, &path)?;
+    let legible = Legible::of(&path, &text, &mut faults);
     let has_goal = |file: &ScenarioFile| file.target.is_some() || !file.regions.is_empty();
-    let has_goal = legible.as_ref().is_some_and(|legible| has_goal(&legible.file));
+    // An unreadable goal is a goal.
+    let has_goal = legible.as_ref().is_some_and(|legible| has_goal(&legible.file))
+        || text.lines().any(|line| GOALS.iter().any(|key| is_key_of(line, key)));
     let robot = legible.map(|legible| legible.check(&Layout { folder, path: &path }, &mut faults));
     // The grasps file is optional if there is a target, of which the planner can compute grasps, or a region.
     let grasps = folder.join(GRASPS_FILE);
@@ -81,6 +83,12 @@ struct Legible {
 
 /// Maximum number of lines that are read repeatedly, in some seconds: a long file with many faults is reported incompletely.
 const MOST_LINES_READ: usize = 1_000_000;
+
+/// Keys of goals without a file of grasps.
+const GOALS: [&str; 2] = ["target", NAMED];
+
+/// Key whose value maps names to elements.
+const NAMED: &str = "regions";
 
 /// Required keys, each with a readable stand-in.
 const NEEDED: [(&str, &str); 3] = [("robot", "panda_mobile"), ("start", "[]"), ("floor", "null")];
@@ -141,7 +149,17 @@ impl Legible {
                     actual: start.len(),
                     joints: robot.joint_names().join(", "),
                 }),
-                Ok(_) => {}
+                Ok(start) => faults.extend(robot.limit_violations(&start).map(|beyond| {
+                    let LimitViolation { joint, value, lower, upper } = beyond;
+                    let joint = robot.joint_names()[joint].clone();
+                    ScenarioError::StartBeyond {
+                        at: layout.at(file.start.referenced),
+                        joint,
+                        value,
+                        lower,
+                        upper,
+                    }
+                })),
                 Err(fault) => faults.push(fault),
             }
         }
@@ -164,7 +182,9 @@ impl Legible {
         faults.extend(layout.speeds(file).err());
         if let Some(robot) = robot.as_ref().filter(|_| was_there("robot")) {
             faults.extend(layout.with_bounded_joints(robot.clone(), file).err());
-            faults.extend(layout.with_tool_bounds((World::default(), robot), file, &Pose::identity()).err());
+            let mut names = HashSet::new();
+            let bounds = file.tool_bounds.iter();
+            faults.extend(bounds.filter_map(|entry| layout.tool_bound(entry, robot, &mut names).err()));
         }
         faults.extend(layout.physics_of_obstacles(file).err().filter(|_| !file.steps.is_empty()));
         robot.filter(|_| was_there("robot"))
@@ -178,7 +198,12 @@ fn hides(earlier: &ScenarioError, key: &str, text: &str) -> bool {
     let until = (at.line as usize).min(lines.len());
     // The last key of the file before the fault, or at it.
     let last = lines[..until].iter().rev().find(|line| is_key(line));
-    last.is_some_and(|line| line.starts_with(key) && line[key.len()..].trim_start().starts_with(':'))
+    last.is_some_and(|line| is_key_of(line, key))
+}
+
+/// Returns true if a line begins with this top-level key.
+fn is_key_of(line: &str, key: &str) -> bool {
+    line.strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with(':'))
 }
 
 fn is_key(line: &str) -> bool {
@@ -189,7 +214,8 @@ fn indent(line: &str) -> usize {
     line.len() - line.trim_start().len()
 }
 
-/// Empties the list entry that contains `line`, or else the top-level key, keeping line numbers; returns true if not empty.
+/// Empties the list entry or the named element that contains `line`, or else the top-level key, keeping line numbers; returns
+/// true if not empty.
 fn leave_out(lines: &mut [String], line: usize) -> bool {
     let is_blank = |text: &str| text.trim().is_empty() || text.trim_start().starts_with('#');
     let Some(line) = (0..=line.min(lines.len().saturating_sub(1))).rev().find(|&l| !is_blank(&lines[l]))
@@ -202,13 +228,17 @@ fn leave_out(lines: &mut [String], line: usize) -> bool {
         .filter(|&l| lines[l].trim_start().starts_with("- "))
         .map(|l| indent(&lines[l]))
         .min();
-    let begin = depth
-        .and_then(|depth| {
+    let begin = if is_key_of(&lines[key], NAMED) {
+        let depth = (key + 1..=line).filter(|&l| !is_blank(&lines[l])).map(|l| indent(&lines[l])).min();
+        (key + 1..=line).rev().find(|&l| !is_blank(&lines[l]) && Some(indent(&lines[l])) == depth)
+    } else {
+        depth.and_then(|depth| {
             let is_entry =
                 |l: &usize| indent(&lines[*l]) == depth && lines[*l].trim_start().starts_with("- ");
             (key + 1..=line).rev().find(is_entry)
         })
-        .unwrap_or(key);
+    };
+    let begin = begin.unwrap_or(key);
     let least = indent(&lines[begin]);
     let mut end = begin + 1;
     while end < lines.len() && (is_blank(&lines[end]) || indent(&lines[end]) > least) {

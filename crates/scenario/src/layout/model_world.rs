@@ -74,6 +74,13 @@ impl Recipe {
         let position = known.iter().position(|name| *name == conversion.target);
         let position = position.ok_or_else(|| unknown_body(path, &conversion.target, &known))?;
         let target = bodies.remove(position);
+        if !model.movable.iter().flatten().any(|link| *link == target.name) {
+            notes.push(format!(
+                "{}: '{}' does not move freely in the model (a joint, or the world, holds it); as the target it does",
+                path.display(),
+                target.name
+            ));
+        }
         let recipe = |body: &Body| RecipeBody::of(body, &scene_from_world);
         let recipe = Self {
             title: format!("from {}", path.file_name().unwrap_or_default().to_string_lossy()),

@@ -25,40 +25,47 @@ impl Layout<'_> {
     ) -> Result<World, ScenarioError> {
         let mut names = HashSet::new();
         let bounds = file.tool_bounds.iter().map(|entry| {
-            let name = &entry.value.name;
-            if !names.insert(&name.value) {
-                return Err(ScenarioError::NameTaken {
-                    at: self.at(name.referenced),
-                    name: name.value.clone(),
-                });
-            }
-            let link = entry.value.link.as_ref();
-            if let Some(link) = link {
-                let problem = match robot.link_index(&link.value) {
-                    None => format!("the robot has no link '{}'", link.value),
-                    Some(index) if robot.is_of_finger(index) => {
-                        format!(
-                            "link '{}' is a finger, which the hand moves by itself; bound the palm",
-                            link.value
-                        )
-                    }
-                    Some(_) => String::new(),
-                };
-                if !problem.is_empty() {
-                    return Err(ScenarioError::Bound { at: self.at(link.referenced), problem });
-                }
-            }
-            let link = link.map(|link| link.value.clone());
-            let bound = ToolBound { name: name.value.clone(), link, region: self.region(entry)? };
-            let refuse = |fault: CollisionError| ScenarioError::Bound {
-                at: self.at(entry.referenced),
-                problem: fault.to_string(),
-            };
-            bound.check().map_err(refuse)?;
-            Ok(bound.in_frame(planning_from_scene))
+            Ok::<_, ScenarioError>(self.tool_bound(entry, robot, &mut names)?.in_frame(planning_from_scene))
         });
         let bounds = bounds.collect::<Result<_, _>>()?;
         Ok(world.with_tool_bounds(bounds)?)
+    }
+
+    /// Returns a tool bound in the scene, with a name that is not in `taken`.
+    pub fn tool_bound<'b>(
+        &self,
+        entry: &'b Spanned<ToolBoundEntry>,
+        robot: &Robot,
+        taken: &mut HashSet<&'b str>,
+    ) -> Result<ToolBound, ScenarioError> {
+        let name = &entry.value.name;
+        if !taken.insert(&name.value) {
+            let at = self.at(name.referenced);
+            return Err(ScenarioError::NameTaken { at, name: name.value.clone() });
+        }
+        if let Some(link) = &entry.value.link {
+            let problem = match robot.link_index(&link.value) {
+                None => format!("the robot has no link '{}'", link.value),
+                Some(index) if robot.is_of_finger(index) => {
+                    format!(
+                        "link '{}' is a finger, which the hand moves by itself; bound the palm",
+                        link.value
+                    )
+                }
+                Some(_) => String::new(),
+            };
+            if !problem.is_empty() {
+                return Err(ScenarioError::Bound { at: self.at(link.referenced), problem });
+            }
+        }
+        let link = entry.value.link.as_ref().map(|link| link.value.clone());
+        let bound = ToolBound { name: name.value.clone(), link, region: self.region(entry)? };
+        let refuse = |fault: CollisionError| ScenarioError::Bound {
+            at: self.at(entry.referenced),
+            problem: fault.to_string(),
+        };
+        bound.check().map_err(refuse)?;
+        Ok(bound)
     }
 
     /// Returns the region of a bound, in the scene.

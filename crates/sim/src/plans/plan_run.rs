@@ -89,7 +89,7 @@ impl PlanRun {
         }
     }
 
-    /// Height by which the origin of the object rose, in metres.
+    /// Height of the origin of the object at the end above that at the beginning, in metres.
     pub fn rose_m(&self) -> f64 {
         self.grasp.world_from_object.translation.z - self.world_from_resting.translation.z
     }

@@ -12,9 +12,10 @@ use crate::hold_factors::FirmGrip;
 use crate::stages::approach::{Approach, approach, blocked_approach};
 use crate::stages::effort::{Effort, First, Stop};
 use crate::stages::later_stage_checks::LaterStageChecks;
+use crate::stages::later_stages::{blocked_after, is_of_later_pick, of_stage};
 use crate::stages::onward::{Piece, Towards, Way, onward};
 use crate::stages::place_search::{PlaceSearch, PutDowns, Spoiled};
-use crate::stages::refusals::{Demanded, Refusals, add_failed};
+use crate::stages::refusals::{Demanded, Refusals, add_failed, add_own};
 use crate::{Request, SolveError};
 
 /// Pieces through all remaining stages, or the reason why there are none.
@@ -112,7 +113,7 @@ impl<'a> Chain<'a> {
             let is_over = self.outcome == Outcome::Cancelled
                 || self.effort.left().is_zero()
                 || spent >= self.request.budget.iterations;
-            let is_later = |failure: &GraspFailure| matches!(failure.reason, FailureReason::Later { .. });
+            let is_later = |failure: &GraspFailure| is_of_later_pick(self.stages, 0, &failure.reason);
             let may_find = matches!(self.outcome, Outcome::BudgetExhausted | Outcome::ClaimedNotProven)
                 || self.failures.iter().any(is_later);
             if found.is_some() || picks < 2 || is_over || !may_find {
@@ -156,8 +157,14 @@ impl<'a> Chain<'a> {
         match (self.stages.get(index), held) {
             (None, _) => Ok(Ok(Vec::new())),
             (Some(_), _) if self.effort.left().is_zero() => Ok(Err(FailureReason::NotTried)),
-            (Some(Stage::Move(goal)), _) => self.move_on((index, goal), state, held, observer),
-            (Some(Stage::Place(place)), Some(held)) => self.place((index, place), state, held, observer),
+            (Some(Stage::Move(goal)), _) => {
+                let moved = self.move_on((index, goal), state, held, observer)?;
+                Ok(moved.map_err(|because| of_stage(index, because)))
+            }
+            (Some(Stage::Place(place)), Some(held)) => {
+                let placed = self.place((index, place), state, held, observer)?;
+                Ok(placed.map_err(|because| of_stage(index, because)))
+            }
             (Some(Stage::Place(_)), None) => Ok(Err(FailureReason::NoPlace)),
             (Some(Stage::Pick(pick)), _) => {
                 let planner = self.request.later_planner_for(&state.picking(self.problem, pick)?)?;
@@ -191,6 +198,14 @@ impl<'a> Chain<'a> {
             Some(carrier) => self.places_after(index, carrier)?,
             None => None,
         };
+        let is_own = picking.grasp_measure().is_some();
+        if is_own && places.as_ref().is_some_and(|places| !places.has_any()) {
+            if index == 0 {
+                let failure = GraspFailure { grasp: 0, reason: FailureReason::NoPlace, attempts: 0 };
+                (self.outcome, self.failures) = (Outcome::NoReachableGrasp, vec![failure]);
+            }
+            return Ok(Err(FailureReason::NoPlace));
+        }
         let refusals = Arc::new(Refusals::default());
         let demanded = self.request.hold.filter(|hold| *hold > 0.0);
         let load_model = carrier
@@ -200,12 +215,14 @@ impl<'a> Chain<'a> {
         let asked = {
             let on_the_way = picking.cell().filter(|_| pick.approach_m > 0.0);
             let on_the_way = on_the_way.map(|cell| blocked_approach(cell, pick.approach_m));
-            let after = carrier.as_ref().map(|carrier| self.grasp_filter(index, carrier, places.as_ref()));
+            let after = carrier.as_ref().map(|carrier| {
+                blocked_after((self.problem, &self.stages[index + 1..]), carrier, places.as_ref())
+            });
             let blocked = move |world_from_tip: &Pose| {
                 let before = on_the_way.as_ref().and_then(|blocked| blocked(world_from_tip));
                 before.or_else(|| after.as_ref().and_then(|blocked| blocked(world_from_tip)))
             };
-            let (is_put_down, is_own) = (places.is_some(), picking.grasp_measure().is_some());
+            let is_put_down = places.is_some();
             let firm = load_model.clone().zip(demanded);
             let firm = firm.map(|(load_model, factor)| Demanded { load_model, factor, is_put_down, is_own });
             let filter = refusals.filter(self.request.left_out_filter(index), firm, blocked);
@@ -229,7 +246,7 @@ impl<'a> Chain<'a> {
             if report.outcome != Outcome::Solved {
                 self.effort
                     .count(&report.statistics, if index > 0 { report.outcome } else { Outcome::Solved });
-                return Ok(Err(self.not_picked(index, &picking, report, failed)));
+                return Ok(Err(self.not_picked(index, (&picking, &refusals), report, failed)));
             }
             let reached = before.at(report.path.last().map_or(&[], |q| &q[..]));
             let path = std::mem::take(&mut report.path);
@@ -255,10 +272,13 @@ impl<'a> Chain<'a> {
                 }
                 Err(reason) => {
                     let robot = self.problem.robot();
-                    failed.push((*robot.frames_at(&reached.q).link(robot.tip()), reason));
+                    // A reason that was found before stays if the budget ends.
+                    if !reason.is_of_budget() {
+                        failed.push((*robot.frames_at(&reached.q).link(robot.tip()), reason));
+                    }
                     if failed.len() >= patience {
                         self.effort.count(&report.statistics, Outcome::BudgetExhausted);
-                        return Ok(Err(self.not_picked(index, &picking, report, failed)));
+                        return Ok(Err(self.not_picked(index, (&picking, &refusals), report, failed)));
                     }
                     search.reject();
                 }
@@ -270,13 +290,15 @@ impl<'a> Chain<'a> {
     fn not_picked(
         &mut self,
         index: usize,
-        picking: &Problem,
+        (picking, refusals): (&Problem, &Refusals),
         report: PlanReport,
         failed: Vec<(Pose, FailureReason)>,
     ) -> FailureReason {
         let PlanReport { outcome, mut failures, refused, .. } = report;
-        if let Some(grasps) = picking.grasps() {
-            add_failed(&mut failures, grasps, &failed);
+        match picking.grasps() {
+            _ if picking.grasp_measure().is_some() => add_own(&mut failures, &failed, refusals),
+            Some(grasps) => add_failed(&mut failures, grasps, &failed),
+            None => {}
         }
         let commonest = GraspFailure::commonest(&failures).cloned();
         if index == 0 {
@@ -438,7 +460,7 @@ impl<'a> Chain<'a> {
                     return Ok(Ok([pieces, onward].concat()));
                 }
                 Err(reason) => {
-                    let is_spoiled = matches!(reason, FailureReason::Later { .. });
+                    let is_spoiled = is_of_later_pick(self.stages, index, &reason);
                     if is_spoiled {
                         *self.spoiled[index].entry(put_down.placement).or_default() += 1;
                     }
@@ -466,28 +488,6 @@ impl<'a> Chain<'a> {
         };
         let places = PlaceSearch::new(self.problem, carrier, (next, place), &self.ahead, &self.effort)?;
         Ok(Some(Arc::new(places)))
-    }
-
-    /// Returns a filter that refuses grasps in which the object cannot be at the ends of the next moves or at its placements.
-    fn grasp_filter(
-        &self,
-        index: usize,
-        carrier: &Arc<Carrier>,
-        places: Option<&Arc<PlaceSearch>>,
-    ) -> impl Fn(&Pose) -> Option<FailureReason> + Send + Sync + use<> {
-        let (carrier, places) = (carrier.clone(), places.cloned());
-        let moves = self.stages[index + 1..].iter().map_while(|stage| match stage {
-            Stage::Move(goal) => Some(goal.ends(self.problem)),
-            Stage::Pick(_) | Stage::Place(_) => None,
-        });
-        let ends: Vec<Vec<Vec<f64>>> = moves.flatten().collect();
-        move |world_from_tip| {
-            places.as_ref().and_then(|places| places.blocked_at(world_from_tip)).or_else(|| {
-                let [first, second] =
-                    ends.iter().find_map(|ends| carrier.blocked_at(world_from_tip, ends))?;
-                Some(FailureReason::EndBlocked { first, second })
-            })
-        }
     }
 
     fn next_seed(&mut self, index: usize) -> u64 {

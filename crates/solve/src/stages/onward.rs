@@ -76,6 +76,11 @@ pub(crate) fn onward(
     observer: &dyn Observer,
 ) -> Result<Way, FailureReason> {
     let failed = if state.held().is_some() { FailureReason::NotCarried } else { FailureReason::NotMoved };
+    if let (Towards::Ends(ends), Some(_)) = (towards, state.held())
+        && let Some(excess) = state.ends_out_of_bounds(ends)
+    {
+        return Err(excess);
+    }
     let (back, others) = match towards {
         Towards::Clear(clear_m) => clear_goals(effort, state, led, *clear_m),
         Towards::Regions(regions) => (Vec::new(), region_goals(effort, state, regions)),

@@ -78,6 +78,11 @@ impl PlaceSearch {
         Ok(Self { carrier: carrier.clone(), placer, retreat_m: place.retreat_m, home, seed })
     }
 
+    /// Returns true if any placement of the object alone is feasible.
+    pub fn has_any(&self) -> bool {
+        self.placer.placements().next().is_some()
+    }
+
     /// Returns the reason why an object gripped with the tip at a pose in the planning frame can be released nowhere.
     pub fn blocked_at(&self, world_from_tip: &Pose) -> Option<FailureReason> {
         self.placer.blocked_at(world_from_tip)

@@ -1,5 +1,5 @@
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use cranny_grasp::GraspSet;
 use cranny_spatial::Pose;
@@ -18,7 +18,12 @@ pub(crate) struct Refusals {
     unsteady: AtomicI32,
     /// True if no grasp of the set is firm; computed on first use.
     is_each_weak: OnceLock<bool>,
+    /// Reasons of the refusals, each with its count.
+    reasons: Mutex<Vec<(FailureReason, u32)>>,
 }
+
+/// Number of different reasons of refusals that are counted.
+const MOST_REASONS: usize = 64;
 
 /// Required load factor of a grasp.
 #[derive(Clone)]
@@ -90,16 +95,51 @@ impl Refusals {
 
     fn counted(&self, fault: Option<FailureReason>) -> Option<FailureReason> {
         match &fault {
-            Some(_) => _ = self.refused.fetch_add(1, Ordering::Relaxed),
+            Some(reason) => {
+                self.refused.fetch_add(1, Ordering::Relaxed);
+                let mut reasons = self.reasons.lock().unwrap_or_else(PoisonError::into_inner);
+                if let Some((_, count)) = reasons.iter_mut().find(|(known, _)| known == reason) {
+                    *count += 1;
+                } else if reasons.len() < MOST_REASONS {
+                    reasons.push((reason.clone(), 1));
+                }
+            }
             None => self.is_any_left.store(true, Ordering::Relaxed),
         }
         fault
+    }
+
+    /// Returns the reasons of the refusals, the most frequent one first.
+    pub fn reasons(&self) -> Vec<FailureReason> {
+        let mut reasons = self.reasons.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        reasons.sort_by(|(a, m), (b, n)| n.cmp(m).then_with(|| a.sentence().cmp(&b.sentence())));
+        reasons.into_iter().map(|(reason, _)| reason).collect()
     }
 
     /// Returns true if many grasps were refused, and none was accepted.
     pub fn are_all(&self) -> bool {
         self.refused.load(Ordering::Relaxed) >= MOST_REFUSED && !self.is_any_left.load(Ordering::Relaxed)
     }
+}
+
+/// Replaces the one reason of a planner that generates its grasps by those for which the reached ones failed (`failed`), then
+/// those for which others were refused, each of these once.
+pub(crate) fn add_own(
+    failures: &mut Vec<GraspFailure>,
+    failed: &[(Pose, FailureReason)],
+    refusals: &Refusals,
+) {
+    let refused = refusals.reasons();
+    if failed.is_empty() && refused.is_empty() {
+        return;
+    }
+    // Free goals that are left are those that were reached.
+    failures.retain(|failure| {
+        !refused.contains(&failure.reason)
+            && (failed.is_empty() || !matches!(failure.reason, FailureReason::NotConnected { .. }))
+    });
+    let reasons = failed.iter().map(|(_, reason)| reason.clone()).chain(refused);
+    failures.extend(reasons.map(|reason| GraspFailure { grasp: 0, reason, attempts: 0 }));
 }
 
 /// Records the reasons `failed` for the grasps of a set that are nearest to these gripper poses: the grasps were reached, but

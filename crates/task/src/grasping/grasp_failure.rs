@@ -159,6 +159,15 @@ pub enum FailureReason {
         /// Second of the colliding pair.
         second: String,
     },
+    /// With the object in this grasp, the tool is outside of a bound at every goal of the transfer; the least excess:
+    EndOutOfBounds {
+        /// Name of the bound.
+        bound: String,
+        /// Excess over the bound, in radians or metres.
+        by: f64,
+        /// True for a bound on an angle.
+        is_angle: bool,
+    },
     /// No placement of the object at the goal is feasible, either in this grasp or in any grasp.
     NoPlace,
     /// The open hand collides at the placement; first contact found:
@@ -223,6 +232,15 @@ impl FailureReason {
         (opening_m > 0.0).then_some(Self::TooWide { width_m, opening_m })
     }
 
+    /// Returns true if the budget ended before a path through all stages was found or failed.
+    pub fn is_of_budget(&self) -> bool {
+        match self {
+            Self::NotTried => true,
+            Self::Later { because, .. } => because.is_of_budget(),
+            _ => false,
+        }
+    }
+
     /// Describes the reason in words, without the grasp.
     pub fn sentence(&self) -> String {
         match self {
@@ -276,6 +294,10 @@ impl FailureReason {
             Self::NotCarried => "lifted off, but no path out was found".to_owned(),
             Self::EndBlocked { first, second } => {
                 format!("with this grasp the object collides at its goal: {first} against {second}")
+            }
+            // All amounts share one sentence, as failures are counted by it.
+            Self::EndOutOfBounds { bound, .. } => {
+                format!("with this grasp the object exceeds the bound '{bound}' at the goal of the transfer")
             }
             Self::NoPlace => "with this grasp no placement of the object is feasible".to_owned(),
             Self::PlaceBlocked { first, second } => {

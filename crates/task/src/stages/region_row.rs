@@ -30,7 +30,7 @@ pub(crate) struct RegionRow {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     moves: Option<Moved>,
     /// Instead of all above but `moves`: one frame, or two in series.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "checked_frames")]
     frames: Vec<FrameRow>,
 }
 
@@ -112,6 +112,20 @@ impl FrameRow {
         };
         Ok(RegionFrame { pose: pose(&self.pose)?, bounds, end: pose(&self.end)? })
     }
+}
+
+/// Reads frames. A fault in one is reported at its line, not at that of the region.
+fn checked_frames<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<FrameRow>, D::Error> {
+    struct Checked(FrameRow);
+
+    impl<'de> Deserialize<'de> for Checked {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            let row = FrameRow::deserialize(deserializer)?;
+            let fault = row.frame().map_or_else(Some, |frame| frame.bounds.fault());
+            fault.map_or(Ok(Self(row)), |fault| Err(D::Error::custom(fault)))
+        }
+    }
+    Ok(Vec::<Checked>::deserialize(deserializer)?.into_iter().map(|Checked(row)| row).collect())
 }
 
 impl Serialize for Region {

@@ -206,9 +206,12 @@ fn stage_of(reason: &FailureReason, stages: &[Stage], pick: usize) -> Option<usi
         FailureReason::NotTried => None,
         FailureReason::Later { stage, because } => {
             let stage = (*stage).min(stages.len() - 1);
-            stage_of(because, stages, stage).or(Some(stage))
+            let of_pick = matches!(stages[stage], Stage::Pick(_)).then(|| stage_of(because, stages, stage));
+            of_pick.flatten().or(Some(stage))
         }
-        FailureReason::NotCarried | FailureReason::EndBlocked { .. } => Some(after(pick, |_| true)),
+        FailureReason::NotCarried
+        | FailureReason::EndBlocked { .. }
+        | FailureReason::EndOutOfBounds { .. } => Some(after(pick, |_| true)),
         FailureReason::NotMoved => Some(after(pick, is_move)),
         FailureReason::NoPlace
         | FailureReason::PlaceBlocked { .. }
@@ -271,6 +274,7 @@ mod tests {
             (later(3, FailureReason::NotBroughtThere), Some(4)),
             (later(3, FailureReason::NotReturned), Some(5)),
             (later(3, FailureReason::NotTried), Some(3)),
+            (later(2, FailureReason::NotReturned), Some(2)),
             (FailureReason::NotTried, None),
         ] {
             assert_eq!(stage_of(&reason, &stages, 0), expected, "{reason:?}");

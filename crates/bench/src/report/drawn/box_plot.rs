@@ -119,6 +119,9 @@ fn plot(scope: Scope, quantity: &Quantity) -> Option<Plot> {
 /// Opacity of the fill of a box; the grid remains visible.
 const FILL_OPACITY: f64 = 0.15;
 
+/// Height of a box below which it has a disc as well, and the radius of the disc, in pixels.
+const LEAST_HEIGHT: f64 = 3.5;
+
 /// Draws a box between the quartiles with the median across, and whiskers to the least and greatest values. Infinite values
 /// are omitted: the box, or its upper whisker, then extends to the end of the axis and is open there.
 fn draw_box(frame: &mut Frame, quartiles: &Quartiles, middle: f64, half: f64, series: usize) {
@@ -147,6 +150,12 @@ fn draw_box(frame: &mut Frame, quartiles: &Quartiles, middle: f64, half: f64, se
     if lower.is_finite() {
         let points = place(&[(left, lower), (right, lower), (right, upper), (left, upper)]);
         marks.insert(0, Mark::Area { points, ink, opacity: FILL_OPACITY });
+    }
+    // A box that is no more than a line, perhaps below the axis, has a disc.
+    let center = frame.place(middle, median);
+    let height = (frame.place(middle, greatest).1 - frame.place(middle, least).1).abs();
+    if height < LEAST_HEIGHT && median.is_finite() {
+        marks.push(Mark::Disc { center, radius: LEAST_HEIGHT, ink });
     }
     for mark in marks {
         frame.draw(mark);

@@ -9,8 +9,16 @@ use crate::report::row::Row;
 struct Reading {
     low: f64,
     value: f64,
+    /// Upper end; of an open interval, that of the axis.
     high: f64,
+    is_open: bool,
 }
+
+/// Distance of the intervals of planners at one difficulty, and half the width of their ends, in pixels …
+const BESIDE: f64 = 5.0;
+const CAP: f64 = 3.0;
+/// … and the greatest distance of the outermost ones, so that they do not reach the next difficulty.
+const MOST_BESIDE: f64 = 30.0;
 
 pub fn plots(scope: Scope) -> Vec<Plot> {
     let mut dials: Vec<f64> = scope.rows().filter_map(|row| row.dial_m).collect();
@@ -20,13 +28,16 @@ pub fn plots(scope: Scope) -> Vec<Plot> {
     if dials.len() < 2 {
         return Vec::new();
     }
-    let success =
-        |row: &Row| Some(Reading { low: row.success_low, value: row.success_rate, high: row.success_high });
+    let success = |row: &Row| {
+        let (low, high) = (row.success_low, row.success_high);
+        Some(Reading { low, value: row.success_rate, high, is_open: false })
+    };
     let median = |row: &Row| {
         Some(Reading {
             low: row.median_low_s.or(row.median_s)?,
             value: row.median_s?,
             high: row.median_high_s.unwrap_or(row.time_limit_s),
+            is_open: row.median_high_s.is_none(),
         })
     };
     // This margin keeps the discs at both ends within the axes.
@@ -58,7 +69,11 @@ fn drawing(
     let legend: Vec<Entry> =
         planners.iter().map(|&(series, name)| Entry { name: name.to_owned(), series }).collect();
     let mut frame = Frame::new(title, x, y, &legend);
-    for (series, name) in planners {
+    let last = planners.len().saturating_sub(1) as f64;
+    let beside = if last > 0.0 { BESIDE.min(MOST_BESIDE / last) } else { 0.0 };
+    for (turn, (series, name)) in planners.into_iter().enumerate() {
+        // The intervals of planners at one difficulty lie beside each other.
+        let shift = beside * (turn as f64 - 0.5 * last);
         let of_planner = scope.rows().filter(|row| row.planner_name == name);
         let mut readings: Vec<(f64, Option<Reading>)> =
             of_planner.filter_map(|row| Some((row.dial_m?, reading(row)))).collect();
@@ -70,9 +85,20 @@ fn drawing(
             for (dial_m, reading) in
                 piece.iter().filter_map(|(dial_m, reading)| Some((*dial_m, reading.as_ref()?)))
             {
-                let points = vec![frame.place(dial_m, reading.low), frame.place(dial_m, reading.high)];
-                frame.draw(Mark::Line { points, ink, width: 1.0, dash: Dash::Solid });
-                let center = frame.place(dial_m, reading.value);
+                let place = |value: f64| {
+                    let (x, y) = frame.place(dial_m, value);
+                    (x + shift, y)
+                };
+                let [low, center, high] = [reading.low, reading.value, reading.high].map(place);
+                // An arrow, without an end, where the interval is open.
+                let end = if reading.is_open { 2.0 * CAP } else { 0.0 };
+                for points in [
+                    vec![low, high],
+                    vec![(low.0 - CAP, low.1), (low.0 + CAP, low.1)],
+                    vec![(high.0 - CAP, high.1 + end), high, (high.0 + CAP, high.1 + end)],
+                ] {
+                    frame.draw(Mark::Line { points, ink, width: 1.0, dash: Dash::Solid });
+                }
                 frame.draw(Mark::Disc { center, radius: 3.5, ink });
                 places.push(center);
             }
