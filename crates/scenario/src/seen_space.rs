@@ -53,6 +53,9 @@ impl Default for SeenOptions {
 /// Error of the pose of the robot's links at the start, in metres.
 const ROBOT_TOLERANCE_M: f64 = 0.005;
 
+/// Name of the robot as a known body.
+const ROBOT: &str = "robot";
+
 /// Name of the target as a known body.
 const TARGET: &str = "target";
 
@@ -92,8 +95,9 @@ impl Scenario {
             tolerance_m,
             reach_m,
             is_transparent: name == TARGET,
+            is_alone: name == ROBOT,
         };
-        let mut bodies = vec![known("robot", links.collect(), ROBOT_TOLERANCE_M, options.robot_reach_m)];
+        let mut bodies = vec![known(ROBOT, links.collect(), ROBOT_TOLERANCE_M, options.robot_reach_m)];
         let solids_of = |body: usize| -> Vec<(Pose, Solid)> {
             let parts = self.world.bodies()[body].parts.iter();
             parts.map(|part| (part.world_from_solid, part.solid.clone())).collect()

@@ -135,6 +135,7 @@ fn known_bodies_are_cut_out_and_nothing_else() {
         tolerance_m: 0.002,
         reach_m: 0.002,
         is_transparent: true,
+        is_alone: false,
     };
     let ball = known(4);
     let whole = SeenMap::new(&views, &[], settings()).unwrap();

@@ -18,6 +18,8 @@ pub struct KnownBody {
     pub reach_m: f64,
     /// True if pixels that show it count as free to its back: nothing else can be inside of it.
     pub is_transparent: bool,
+    /// True if cells that it touches hold nothing else, whatever is measured there: the robot stands there.
+    pub is_alone: bool,
 }
 
 /// Known bodies as one list of solids.
@@ -29,6 +31,7 @@ struct KnownSolid {
     pose: Pose,
     solid: Solid,
     reach_m: f64,
+    is_alone: bool,
 }
 
 /// Relation of a cube to the space around the known bodies.
@@ -40,6 +43,9 @@ pub(crate) enum Nearness {
     Partly(Vec<usize>),
 }
 
+/// Half diagonal of a cube of half side 1, rounded up.
+const DIAGONAL: f64 = 1.732_051;
+
 impl KnownSolids {
     pub fn new(bodies: &[KnownBody]) -> Self {
         let solids = bodies.iter().flat_map(|body| {
@@ -47,6 +53,7 @@ impl KnownSolids {
                 pose: *pose,
                 solid: solid.clone(),
                 reach_m: body.reach_m,
+                is_alone: body.is_alone,
             })
         });
         Self { solids: solids.collect() }
@@ -59,12 +66,10 @@ impl KnownSolids {
 
     /// Returns the relation of a cube, by its centre and half side (m), to these solids.
     pub fn nearness(&self, center: &Point, half_m: f64, among: &[usize]) -> Nearness {
-        /// Half diagonal of a cube of half side 1, rounded up.
-        const DIAGONAL: f64 = 1.732_051;
         let diagonal_m = DIAGONAL * half_m;
         let mut near = Vec::new();
         for &index in among {
-            let KnownSolid { pose, solid, reach_m } = &self.solids[index];
+            let KnownSolid { pose, solid, reach_m, .. } = &self.solids[index];
             let far_m = reach_m + diagonal_m;
             let ball = solid.ball();
             if (pose * ball.center - center).norm() - ball.radius_m > far_m
@@ -93,12 +98,19 @@ impl KnownSolids {
         })
     }
 
+    /// Returns true if a cube touches a solid that is alone in the cells that it touches.
+    pub fn touches_alone(&self, center: &Point, half_m: f64) -> bool {
+        let alone = |index: &usize| self.solids[*index].is_alone;
+        let alone: Vec<usize> = (0..self.solids.len()).filter(alone).collect();
+        self.is_within(center, DIAGONAL * half_m, &alone)
+    }
+
     /// Returns true if a cube comes within reach of one of these solids.
     pub fn reaches(&self, center: &Point, half_m: f64, among: &[usize]) -> bool {
         let cube = Solid::cuboid(cranny_spatial::Vector::repeat(half_m));
         let at = Pose::from_parts(center.coords.into(), Rotation::identity());
         among.iter().any(|&index| {
-            let KnownSolid { pose, solid, reach_m } = &self.solids[index];
+            let KnownSolid { pose, solid, reach_m, .. } = &self.solids[index];
             cube.as_ref().is_ok_and(|cube| {
                 separation_in(cube, &at, solid, pose, Range::to(reach_m + half_m)).lower_m <= *reach_m
             })

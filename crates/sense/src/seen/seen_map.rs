@@ -271,6 +271,9 @@ impl Survey {
             Some(Nearness::Partly(near)) => Some(&near[..]),
         };
         let is_exempt = near.is_none_or(|near| is_least && self.known.reaches(center, half_m, near));
+        if is_least && is_exempt && self.known.touches_alone(center, half_m) {
+            return Kind::Free;
+        }
         if is_least {
             return match (is_exempt, shows(is_exempt)) {
                 (_, true) => Kind::Occupied,
