@@ -8,6 +8,7 @@ use crate::content::grasps::GraspsArguments;
 use crate::content::object::ObjectArguments;
 use crate::content::robot::RobotArguments;
 use crate::content::scenario::ScenarioArguments;
+use crate::datasets::dataset::DatasetArguments;
 use crate::physics::simulate::SimulateArguments;
 use crate::pictures::render::RenderArguments;
 use crate::pictures::view::ViewArguments;
@@ -75,6 +76,8 @@ pub enum Command {
     Simulate(SimulateArguments),
     /// Run campaigns of trials; merge, report and replay their results
     Bench(BenchArguments),
+    /// Make, check and export sets of proven demonstrations
+    Dataset(DatasetArguments),
     /// Render a scenario or a plan: a picture, an animation, animated glTF, a page in one file
     Render(Box<RenderArguments>),
     /// View a scenario and plans in the browser

@@ -72,8 +72,14 @@ pub(crate) fn found_in_stages(
     let (segments, optimisation) = match request.optimise.filter(|_| is_found) {
         Some(settings) => {
             let first = (pieces, unshortened.clone());
-            let (best, optimisation) =
-                optimised(problem, planner, (stages, request, carrier.as_ref()), first, (&report, settings), observer)?;
+            let (best, optimisation) = optimised(
+                problem,
+                planner,
+                (stages, request, carrier.as_ref()),
+                first,
+                (&report, settings),
+                observer,
+            )?;
             unshortened = best.1;
             (as_found(&best.0), Some(optimisation))
         }
@@ -132,7 +138,8 @@ fn optimised(
         }
         let budget = Budget { iterations: most_of_search.min(most_iterations / 2 - iterations), time: left };
         let again = Request { budget, seed: other_seed(request.seed, other), ..request.clone() };
-        let (report, pieces) = Chain::new(problem, stages, &again, carrier.cloned())?.search(planner, observer)?;
+        let (report, pieces) =
+            Chain::new(problem, stages, &again, carrier.cloned())?.search(planner, observer)?;
         iterations += report.statistics.iterations.max(LEAST_COUNTED);
         if pieces.is_empty() {
             continue;
@@ -240,7 +247,8 @@ fn shortened(
 ) -> Result<(PlanReport, Shortening), PlanError> {
     let begin = Instant::now();
     let Request { seed, changes, .. } = *request;
-    let settings = ShortcutSettings { attempts: changes.unwrap_or(ShortcutSettings::default().attempts), seed };
+    let settings =
+        ShortcutSettings { attempts: changes.unwrap_or(ShortcutSettings::default().attempts), seed };
     let mut searches = 0;
     // Only the planner `reach` searches again, as these searches run `reach`: a path of another planner remains its own.
     if planner.name() == Reach::default().name() && changes.is_none() {

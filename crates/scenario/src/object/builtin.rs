@@ -67,11 +67,7 @@ pub(crate) fn recipe(name: &str) -> Result<&'static Recipe, ScenarioError> {
 }
 
 impl Recipe {
-    const fn new(
-        name: &'static str,
-        mass_kg: f64,
-        shape: fn() -> Result<ObjectShape, ShapeError>,
-    ) -> Self {
+    const fn new(name: &'static str, mass_kg: f64, shape: fn() -> Result<ObjectShape, ShapeError>) -> Self {
         Self { name, mass_kg, shape, volume: OnceLock::new() }
     }
 
