@@ -4,11 +4,11 @@ use crate::arguments::{
     CertifyArguments, IkArguments, Output, PlanArguments, TaskArguments, VerifyArguments,
 };
 use crate::campaigns::bench::BenchArguments;
+use crate::content::dataset::DatasetArguments;
 use crate::content::grasps::GraspsArguments;
 use crate::content::object::ObjectArguments;
 use crate::content::robot::RobotArguments;
 use crate::content::scenario::ScenarioArguments;
-use crate::datasets::dataset::DatasetArguments;
 use crate::physics::simulate::SimulateArguments;
 use crate::pictures::render::RenderArguments;
 use crate::pictures::view::ViewArguments;

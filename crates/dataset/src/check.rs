@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_scenario::Recipe;
 use cranny_spatial::Stream;
-use cranny_task::{Carrier, LiftOffSettings, Pick, Problem, State};
+use cranny_task::{Carrier, Problem};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -15,7 +15,7 @@ use crate::generate::NO_SCENE;
 use crate::prepared_scene::stages_of;
 use crate::scene_row::SceneRow;
 use crate::scene_source::{SceneSource, problem_of, target_name};
-use crate::{DatasetError, DatasetRecipe, DemonstrationTask};
+use crate::{DatasetError, DemonstrationTask};
 
 /// Rows that a check proves again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,7 +147,8 @@ fn check_scene(
         return Ok(report);
     }
     let mut proof = RowProof {
-        of: source.recipe(),
+        source,
+        scene: scene.scene,
         problem: problem_of(&recipe, source.recipe().margins())?,
         carrier: None,
     };
@@ -173,7 +174,8 @@ fn scene_figures(scene: &SceneRow, recipe: &Recipe) -> SceneRow {
 
 /// Proof of the rows of one scene.
 pub(crate) struct RowProof<'a> {
-    pub of: &'a DatasetRecipe,
+    pub source: &'a SceneSource,
+    pub scene: u64,
     pub problem: Problem,
     pub carrier: Option<Arc<Carrier>>,
 }
@@ -197,25 +199,22 @@ impl RowProof<'_> {
         };
         let stages = stages_of(task);
         if stages.len() > 1 && self.carrier.is_none() {
-            let picking =
-                State::start(&problem).map(|start| start.picking(&problem, &Pick::default())).transpose()?;
-            let carrier =
-                picking.map(|picking| Carrier::new(&picking, LiftOffSettings::default())).transpose()?;
-            self.carrier = carrier.map(Arc::new);
+            self.carrier = self.source.carrier(self.scene, &problem)?;
         }
         let cell = problem.exact_cell("dataset")?.clone();
         let mut scratch = cell.scratch();
-        let figures = match Figures::of(&problem, &stages, &segments, self.carrier.as_ref(), &mut scratch) {
-            Ok(Some(figures)) => figures,
-            Ok(None) => return Ok(Some("it cannot be proven".to_owned())),
-            Err(fault) => return Ok(Some(fault.to_string())),
-        };
+        let figures =
+            match Figures::of(&problem, &stages, &segments, (self.carrier.as_ref(), None), &mut scratch) {
+                Ok(Some(figures)) => figures,
+                Ok(None) => return Ok(Some("it cannot be proven".to_owned())),
+                Err(fault) => return Ok(Some(fault.to_string())),
+            };
         if let Some(violation) = figures.audit.violations.first() {
             return Ok(Some(format!("not valid: {violation}")));
         }
         let mut measured = row.clone();
         figures.write(&mut measured);
-        if let (true, Some(least)) = (row.hold_checked, self.of.hold)
+        if let (true, Some(least)) = (row.hold_checked, self.source.recipe().hold)
             && !(row.hold_factor >= least)
         {
             return Ok(Some(format!("its hold has a factor of {}, below {least}", row.hold_factor)));

@@ -1,3 +1,4 @@
+use cranny_solve::Paces;
 use cranny_task::{Mode, Segment};
 
 /// Row of a query and its answer.
@@ -86,7 +87,7 @@ impl Demonstration {
         }
     }
 
-    /// Returns the segments of a robot with `dof` joints whose hand holds the object of this name, and no pace; `None` for a
+    /// Returns the segments of a robot with `dof` joints whose hand holds the object of this name, at the default pace; `None` for a
     /// damaged row.
     pub(crate) fn read_segments(&self, dof: usize, object: &str) -> Option<Vec<Segment>> {
         let (numbers, rest) = self.segments.as_chunks::<3>();
@@ -107,6 +108,7 @@ impl Demonstration {
                 attached: mode.holds.then(|| object.to_owned()),
                 opening_m: given(self.openings_m[index]),
                 uneven_m: given(self.uneven_m[index]),
+                pace: Paces::default().of(mode),
                 speed: Some(self.speeds[index]).filter(|share| *share < 1.0),
                 ..Segment::empty(stage?, mode, waypoints.get(begin..at)?.to_vec())
             });

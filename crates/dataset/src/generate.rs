@@ -168,7 +168,7 @@ pub(crate) fn answers(
             |row| Demonstration { row, scene, outcome: NO_SCENE.to_owned(), ..Demonstration::empty() };
         return Ok((row, rows.map(without).collect()));
     };
-    let mut prepared = PreparedScene::new(source.recipe(), row, &recipe)?;
+    let mut prepared = PreparedScene::new(source, row, &recipe)?;
     let demonstrations: Vec<Demonstration> =
         rows.map(|row| prepared.answer(row)).collect::<Result<_, _>>()?;
     Ok((prepared.into_row(), demonstrations))

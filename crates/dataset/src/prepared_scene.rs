@@ -8,14 +8,13 @@ use cranny_scenario::{Family, Recipe};
 use cranny_solve::{Answer, Request, Timing, solve_with};
 use cranny_spatial::{Stream, other_seed};
 use cranny_task::{
-    Carrier, FailureReason, Goal, GraspFailure, LiftOffSettings, Pick, PlaceAt, Problem, Segment, Stage,
-    State, gripper_poses,
+    Carrier, FailureReason, Goal, GraspFailure, PlaceAt, Problem, Segment, Stage, gripper_poses,
 };
 
 use crate::demonstration::Demonstration;
 use crate::figures::Figures;
 use crate::scene_row::SceneRow;
-use crate::scene_source::problem_of;
+use crate::scene_source::{SceneSource, problem_of};
 use crate::{DatasetError, DatasetRecipe, DemonstrationTask};
 
 /// Results at a grasp, in the order of their bytes in [`SceneRow::grasp_results`].
@@ -54,6 +53,7 @@ const STREAM_OF_ROWS: u64 = 1;
 /// A scene with everything that its queries share: cell, goal configurations, the carrier of the object, and the paths that
 /// earlier queries found.
 pub(crate) struct PreparedScene<'a> {
+    source: &'a SceneSource,
     of: &'a DatasetRecipe,
     row: SceneRow,
     problem: Problem,
@@ -66,10 +66,12 @@ pub(crate) struct PreparedScene<'a> {
 
 impl<'a> PreparedScene<'a> {
     /// Prepares the scene of a row.
-    pub fn new(of: &'a DatasetRecipe, row: SceneRow, recipe: &Recipe) -> Result<Self, DatasetError> {
+    pub fn new(source: &'a SceneSource, row: SceneRow, recipe: &Recipe) -> Result<Self, DatasetError> {
+        let of = source.recipe();
         let problem = problem_of(recipe, of.margins())?;
         let cell = problem.exact_cell("dataset")?.clone();
         let mut scene = Self {
+            source,
             of,
             row,
             scratch: cell.scratch(),
@@ -133,10 +135,10 @@ impl<'a> PreparedScene<'a> {
             ..Demonstration::empty()
         };
         let stages = stages_of(task);
-        let (outcome, segments, hold, reason) = if task == DemonstrationTask::Reach {
+        let (outcome, segments, (hold, audit), reason) = if task == DemonstrationTask::Reach {
             let (outcome, path) = self.reach(&problem, seed)?;
             let segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
-            (outcome, segments, None, String::new())
+            (outcome, segments, (None, None), String::new())
         } else {
             let answer = self.carry(&problem, stages.clone(), seed)?;
             let reason = GraspFailure::commonest(&answer.failures).map(reason_name).unwrap_or_default();
@@ -147,14 +149,15 @@ impl<'a> PreparedScene<'a> {
                 answer.outcome
             };
             let segments = if is_solved { answer.segments } else { Vec::new() };
-            (outcome, segments, answer.hold, reason)
+            (outcome, segments, (answer.hold, answer.audit), reason)
         };
         demonstration.outcome = outcome.name().to_owned();
         demonstration.reason = reason;
         if segments.is_empty() {
             return Ok(demonstration);
         }
-        let figures = Figures::of(&problem, &stages, &segments, self.carrier.as_ref(), &mut self.scratch)?;
+        let figures =
+            Figures::of(&problem, &stages, &segments, (self.carrier.as_ref(), audit), &mut self.scratch)?;
         let Some(figures) = figures.filter(|figures| figures.is_valid) else {
             demonstration.outcome = Outcome::ClaimedNotProven.name().to_owned();
             return Ok(demonstration);
@@ -240,11 +243,7 @@ impl<'a> PreparedScene<'a> {
     /// Searches for a path through several stages.
     fn carry(&mut self, problem: &Problem, stages: Vec<Stage>, seed: u64) -> Result<Answer, DatasetError> {
         if self.carrier.is_none() {
-            let picking =
-                State::start(problem).map(|start| start.picking(problem, &Pick::default())).transpose()?;
-            let carrier =
-                picking.map(|picking| Carrier::new(&picking, LiftOffSettings::default())).transpose()?;
-            self.carrier = carrier.map(Arc::new);
+            self.carrier = self.source.carrier(self.row.scene, problem)?;
         }
         let request = Request {
             planner: Some(self.of.planner.clone()),

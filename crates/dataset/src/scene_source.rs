@@ -1,8 +1,9 @@
 use std::path::Path;
+use std::sync::{Arc, OnceLock};
 
 use cranny_collision::{Margins, World};
 use cranny_scenario::{GraspChoice, OpenOptions, Recipe, SetMaker};
-use cranny_task::Problem;
+use cranny_task::{Carrier, LiftOffSettings, Pick, Problem, State};
 use rayon::prelude::*;
 
 use crate::scene_row::SceneRow;
@@ -13,6 +14,8 @@ use crate::{DatasetError, DatasetRecipe};
 pub struct SceneSource {
     recipe: DatasetRecipe,
     makers: Vec<SetMaker>,
+    /// Carrier of the object in the first scene of each kind, made at its first use.
+    carriers: Vec<OnceLock<Option<Carrier>>>,
 }
 
 impl SceneSource {
@@ -27,7 +30,9 @@ impl SceneSource {
             })
         };
         let makers: Result<Vec<SetMaker>, _> = recipe.kinds()?.into_par_iter().map(make).collect();
-        Ok(Self { recipe: recipe.clone(), makers: makers? })
+        let makers = makers?;
+        let carriers = makers.iter().map(|_| OnceLock::new()).collect();
+        Ok(Self { recipe: recipe.clone(), makers, carriers })
     }
 
     /// Recipe of the data set.
@@ -65,6 +70,33 @@ impl SceneSource {
         })
     }
 
+    /// Returns the carrier of the object of a scene; `None` for a robot whose hand cannot close.
+    ///
+    /// It is that of the first scene of the same kind in the surroundings of this one, which is much faster than a new one. As it
+    /// never comes from any other scene, the rows of a scene do not depend on those before.
+    pub(crate) fn carrier(
+        &self,
+        scene: u64,
+        problem: &Problem,
+    ) -> Result<Option<Arc<Carrier>>, DatasetError> {
+        let kind = self.recipe.kind_of(scene);
+        let first = match self.carriers[kind].get() {
+            Some(known) => known,
+            None => {
+                let made = self.first_carrier(kind as u64)?;
+                self.carriers[kind].get_or_init(|| made)
+            }
+        };
+        let Some(first) = first else { return new_carrier(problem).map(|made| made.map(Arc::new)) };
+        let cell = problem.exact_cell("dataset")?;
+        Ok(Some(Arc::new(first.with_surroundings_of(cell)?)))
+    }
+
+    fn first_carrier(&self, scene: u64) -> Result<Option<Carrier>, DatasetError> {
+        let (_, recipe) = self.draw(scene)?;
+        recipe.map_or(Ok(None), |recipe| new_carrier(&problem_of(&recipe, self.recipe.margins())?))
+    }
+
     /// Makes the scenario of a row again from its values, without a random draw; `None` for a damaged row, or one without a
     /// scene.
     ///
@@ -78,6 +110,12 @@ impl SceneSource {
         }
         Ok(Some(maker.family().scenario(row.parameter_m, &placement, clutter, GraspChoice::Few)?))
     }
+}
+
+fn new_carrier(problem: &Problem) -> Result<Option<Carrier>, DatasetError> {
+    let Some(start) = State::start(problem) else { return Ok(None) };
+    let picking = start.picking(problem, &Pick::default())?;
+    Ok(Some(Carrier::new(&picking, LiftOffSettings::default())?))
 }
 
 /// Returns the problem of a recipe, with these clearances.

@@ -2,9 +2,9 @@ use clap::{Args, Subcommand};
 
 use crate::Answer;
 use crate::arguments::Output;
-use crate::datasets::dataset_check::{self, CheckArguments};
-use crate::datasets::dataset_export::{self, ExportArguments, ExtractArguments};
-use crate::datasets::dataset_generate::{self, GenerateArguments, MergeArguments};
+use crate::content::dataset_check::{self, CheckArguments};
+use crate::content::dataset_export::{self, ExportArguments, ExtractArguments};
+use crate::content::dataset_generate::{self, GenerateArguments, MergeArguments};
 use crate::failure::Failure;
 
 #[derive(Clone, Debug, Args)]
