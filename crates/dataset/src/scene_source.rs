@@ -1,5 +1,6 @@
+use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex};
 
 use cranny_collision::{Margins, World};
 use cranny_scenario::{GraspChoice, OpenOptions, Recipe, SetMaker};
@@ -14,8 +15,8 @@ use crate::{DatasetError, DatasetRecipe};
 pub struct SceneSource {
     recipe: DatasetRecipe,
     makers: Vec<SetMaker>,
-    /// Carrier of the object in the first scene of each kind, made at its first use.
-    carriers: Vec<OnceLock<Option<Carrier>>>,
+    /// Carriers of the object in the first scene of each kind and number of bodies, made at their first use.
+    carriers: Mutex<BTreeMap<(usize, usize), Option<Arc<Carrier>>>>,
 }
 
 impl SceneSource {
@@ -31,8 +32,7 @@ impl SceneSource {
         };
         let makers: Result<Vec<SetMaker>, _> = recipe.kinds()?.into_par_iter().map(make).collect();
         let makers = makers?;
-        let carriers = makers.iter().map(|_| OnceLock::new()).collect();
-        Ok(Self { recipe: recipe.clone(), makers, carriers })
+        Ok(Self { recipe: recipe.clone(), makers, carriers: Mutex::default() })
     }
 
     /// Recipe of the data set.
@@ -72,29 +72,44 @@ impl SceneSource {
 
     /// Returns the carrier of the object of a scene; `None` for a robot whose hand cannot close.
     ///
-    /// It is that of the first scene of the same kind in the surroundings of this one, which is much faster than a new one. As it
-    /// never comes from any other scene, the rows of a scene do not depend on those before.
+    /// It is that of the first scene of the same kind with as many bodies, in the surroundings of this one, which is much faster
+    /// than a new one. As it never comes from any other scene, the rows of a scene do not depend on those before.
     pub(crate) fn carrier(
         &self,
         scene: u64,
         problem: &Problem,
     ) -> Result<Option<Arc<Carrier>>, DatasetError> {
+        let Some(target) = problem.target() else { return Ok(None) };
         let kind = self.recipe.kind_of(scene);
-        let first = match self.carriers[kind].get() {
-            Some(known) => known,
+        let key = (kind, target);
+        let known = self.carriers.lock().ok().and_then(|carriers| carriers.get(&key).cloned());
+        let first = match known {
+            Some(first) => first,
             None => {
-                let made = self.first_carrier(kind as u64)?;
-                self.carriers[kind].get_or_init(|| made)
+                let made = self.first_carrier(kind as u64, target)?;
+                if let Ok(mut carriers) = self.carriers.lock() {
+                    carriers.insert(key, made.clone());
+                }
+                made
             }
         };
         let Some(first) = first else { return new_carrier(problem).map(|made| made.map(Arc::new)) };
-        let cell = problem.exact_cell("dataset")?;
-        Ok(Some(Arc::new(first.with_surroundings_of(cell)?)))
+        Ok(Some(Arc::new(first.with_surroundings_of(problem.exact_cell("dataset")?)?)))
     }
 
-    fn first_carrier(&self, scene: u64) -> Result<Option<Carrier>, DatasetError> {
-        let (_, recipe) = self.draw(scene)?;
-        recipe.map_or(Ok(None), |recipe| new_carrier(&problem_of(&recipe, self.recipe.margins())?))
+    /// Makes the carrier in the first scene of a kind whose target has this index; `None` if there is none among many.
+    fn first_carrier(&self, kind: u64, target: usize) -> Result<Option<Arc<Carrier>>, DatasetError> {
+        /// Number of scenes that are drawn: the numbers of clutter objects are about equally frequent.
+        const MOST_SCENES: u64 = 1000;
+        let kinds = self.makers.len() as u64;
+        for scene in (0..MOST_SCENES).map(|turn| kind + turn * kinds) {
+            let (_, recipe) = self.draw(scene)?;
+            if let Some(recipe) = recipe.filter(|recipe| recipe.obstacles.len() == target) {
+                let made = new_carrier(&problem_of(&recipe, self.recipe.margins())?)?;
+                return Ok(made.map(Arc::new));
+            }
+        }
+        Ok(None)
     }
 
     /// Makes the scenario of a row again from its values, without a random draw; `None` for a damaged row, or one without a

@@ -195,10 +195,10 @@ mod tests {
     #[test]
     fn a_damaged_file_is_refused_or_read_as_something_else() {
         let sound = parquet_file(&table(), &[]);
-        for end in 0..sound.len() {
+        for end in (0..sound.len()).step_by(5) {
             assert!(read_parquet(&sound[..end]).is_err());
         }
-        for at in 0..sound.len() {
+        for at in (0..sound.len()).step_by(5) {
             for flip in [1, 0x80, 0xff] {
                 let mut other = sound.clone();
                 other[at] ^= flip;
