@@ -203,19 +203,18 @@ impl RowProof<'_> {
         }
         let cell = problem.exact_cell("dataset")?.clone();
         let mut scratch = cell.scratch();
-        let figures =
-            match Figures::of(&problem, &stages, &segments, (self.carrier.as_ref(), None), &mut scratch) {
-                Ok(Some(figures)) => figures,
-                Ok(None) => return Ok(Some("it cannot be proven".to_owned())),
-                Err(fault) => return Ok(Some(fault.to_string())),
-            };
+        let figures = match Figures::of(&problem, &stages, &segments, self.carrier.as_ref(), &mut scratch) {
+            Ok(Some(figures)) => figures,
+            Ok(None) => return Ok(Some("it cannot be proven".to_owned())),
+            Err(fault) => return Ok(Some(fault.to_string())),
+        };
         if let Some(violation) = figures.audit.violations.first() {
             return Ok(Some(format!("not valid: {violation}")));
         }
         let mut measured = row.clone();
         figures.write(&mut measured);
         if let (true, Some(least)) = (row.hold_checked, self.source.recipe().hold)
-            && !(row.hold_factor >= least)
+            && (row.hold_factor < least || row.hold_factor.is_nan())
         {
             return Ok(Some(format!("its hold has a factor of {}, below {least}", row.hold_factor)));
         }

@@ -54,7 +54,7 @@ pub fn extract(folder: &DatasetFolder, row: u64, into: &Path) -> Result<(), Data
     let stages = stages_of(task);
     let cell = problem.exact_cell("dataset")?.clone();
     let figures =
-        Figures::of(&problem, &stages, &segments, (None, None), &mut cell.scratch())?.ok_or_else(damaged)?;
+        Figures::of(&problem, &stages, &segments, None, &mut cell.scratch())?.ok_or_else(damaged)?;
     let settings = cranny_path::AuditSettings { clearances: Clearances::OfEdges, ..proof_settings() };
     let audit = audit_task(&problem, &stages, &segments, settings)?;
     give_clearances(&mut segments, &audit.clearances_per_edge_m);

@@ -34,13 +34,12 @@ pub(crate) fn proof_settings() -> AuditSettings {
 }
 
 impl Figures {
-    /// Proves and measures the segments of a task; `None` without an exact cell. `known` is the verdict on the path if there is
-    /// one already.
+    /// Proves and measures the segments of a task; `None` without an exact cell.
     pub fn of(
         problem: &Problem,
         stages: &[Stage],
         segments: &[Segment],
-        (carrier, known): (Option<&Arc<Carrier>>, Option<Audit>),
+        carrier: Option<&Arc<Carrier>>,
         scratch: &mut Scratch,
     ) -> Result<Option<Self>, DatasetError> {
         let path = joined(segments);
@@ -53,8 +52,7 @@ impl Figures {
         } else {
             let along = StateSequence::with_carrier(problem, stages, segments, carrier)?;
             let Some(along) = along else { return Ok(None) };
-            let judged = || audit_along(problem, stages, (segments, &along), proof_settings());
-            let audit = known.map_or_else(judged, Ok)?;
+            let audit = audit_along(problem, stages, (segments, &along), proof_settings())?;
             let free =
                 segments.iter().zip(&along.states).filter(|(segment, _)| segment.mode.rests_at.is_none());
             let clearances = free.map(|(segment, state)| {

@@ -2,6 +2,13 @@
 //!
 //! Source: huggingface/lerobot, `src/lerobot/datasets`, commit 7427f31, the parts on the files of a data set.
 
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "counts are far below 2^31, and single precision is the precision of the format"
+)]
+
 use std::collections::BTreeMap;
 use std::path::Path;
 

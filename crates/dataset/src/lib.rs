@@ -30,7 +30,6 @@ pub use folder::{Chunk, DatasetDescription, DatasetFolder};
 pub use generate::{GenerateProgress, GenerateReport, generate};
 pub use lerobot::{LeRobotReport, export_lerobot};
 pub use merge::merge;
-pub use parquet::column::Column;
 pub use prepared_scene::GRASP_RESULTS;
 pub use recipe::{DatasetRecipe, DemonstrationTask, FamilyRange};
 pub use scene_row::SceneRow;

@@ -135,10 +135,10 @@ impl<'a> PreparedScene<'a> {
             ..Demonstration::empty()
         };
         let stages = stages_of(task);
-        let (outcome, segments, (hold, audit), reason) = if task == DemonstrationTask::Reach {
+        let (outcome, segments, hold, reason) = if task == DemonstrationTask::Reach {
             let (outcome, path) = self.reach(&problem, seed)?;
             let segments = if path.is_empty() { Vec::new() } else { vec![Segment::reach(path, Vec::new())] };
-            (outcome, segments, (None, None), String::new())
+            (outcome, segments, None, String::new())
         } else {
             let answer = self.carry(&problem, stages.clone(), seed)?;
             let reason = GraspFailure::commonest(&answer.failures).map(reason_name).unwrap_or_default();
@@ -149,15 +149,14 @@ impl<'a> PreparedScene<'a> {
                 answer.outcome
             };
             let segments = if is_solved { answer.segments } else { Vec::new() };
-            (outcome, segments, (answer.hold, answer.audit), reason)
+            (outcome, segments, answer.hold, reason)
         };
         demonstration.outcome = outcome.name().to_owned();
         demonstration.reason = reason;
         if segments.is_empty() {
             return Ok(demonstration);
         }
-        let figures =
-            Figures::of(&problem, &stages, &segments, (self.carrier.as_ref(), audit), &mut self.scratch)?;
+        let figures = Figures::of(&problem, &stages, &segments, self.carrier.as_ref(), &mut self.scratch)?;
         let Some(figures) = figures.filter(|figures| figures.is_valid) else {
             demonstration.outcome = Outcome::ClaimedNotProven.name().to_owned();
             return Ok(demonstration);

@@ -133,6 +133,7 @@ fn clutter_body(index: usize, numbers: &[f64; PER_CLUTTER]) -> Option<RecipeBody
     })
 }
 
+#[allow(clippy::cast_possible_truncation, reason = "single precision is the precision of the column")]
 fn boxes(planning_from_scene: &Pose, body: &RecipeBody) -> Vec<f32> {
     let of_shape = |(body_from_shape, shape): &(Pose, RecipeShape)| {
         let size = match shape {

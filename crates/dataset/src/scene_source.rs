@@ -83,15 +83,14 @@ impl SceneSource {
         let kind = self.recipe.kind_of(scene);
         let key = (kind, target);
         let known = self.carriers.lock().ok().and_then(|carriers| carriers.get(&key).cloned());
-        let first = match known {
-            Some(first) => first,
-            None => {
-                let made = self.first_carrier(kind as u64, target)?;
-                if let Ok(mut carriers) = self.carriers.lock() {
-                    carriers.insert(key, made.clone());
-                }
-                made
+        let first = if let Some(first) = known {
+            first
+        } else {
+            let made = self.first_carrier(kind as u64, target)?;
+            if let Ok(mut carriers) = self.carriers.lock() {
+                carriers.insert(key, made.clone());
             }
+            made
         };
         let Some(first) = first else { return new_carrier(problem).map(|made| made.map(Arc::new)) };
         Ok(Some(Arc::new(first.with_surroundings_of(problem.exact_cell("dataset")?)?)))

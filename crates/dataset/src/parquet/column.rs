@@ -1,6 +1,6 @@
 /// Values of one column of a table, one entry per row.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Column {
+pub(crate) enum Column {
     /// True or false.
     Bool(Vec<bool>),
     /// 32-bit integers.
@@ -51,11 +51,6 @@ impl Column {
         }
     }
 
-    /// Returns true for a column without rows.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
     /// Returns the number of the physical type of its values.
     pub(crate) fn physical(&self) -> i64 {
         match self {
@@ -81,23 +76,6 @@ impl Column {
             Self::Doubles(rows) => Some(rows.iter().map(Vec::len).collect()),
             Self::Texts(rows) => Some(rows.iter().map(Vec::len).collect()),
             _ => None,
-        }
-    }
-
-    /// Name of the kind of its values, in messages and data cards.
-    pub fn kind(&self) -> &'static str {
-        match self {
-            Self::Bool(_) => "bool",
-            Self::Int32(_) => "int32",
-            Self::Int64(_) => "int64",
-            Self::Float(_) => "float32",
-            Self::Double(_) => "float64",
-            Self::Text(_) => "text",
-            Self::Bytes(_) => "bytes",
-            Self::Int32s(_) => "list of int32",
-            Self::Floats(_) => "list of float32",
-            Self::Doubles(_) => "list of float64",
-            Self::Texts(_) => "list of text",
         }
     }
 }

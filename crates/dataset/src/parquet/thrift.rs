@@ -143,11 +143,12 @@ fn zigzag(value: i64) -> u64 {
 
 /// Appends a number in groups of seven bits, the lowest first.
 pub(crate) fn write_varint(mut value: u64, bytes: &mut Vec<u8>) {
+    let low = |value: u64| value.to_le_bytes()[0];
     while value >= 0x80 {
-        bytes.push((value & 0x7f) as u8 | 0x80);
+        bytes.push(low(value) | 0x80);
         value >>= 7;
     }
-    bytes.push(value as u8);
+    bytes.push(low(value));
 }
 
 /// Reads a number that [`write_varint`] wrote, and moves `at` behind it; `None` if it ends too early or is too large.

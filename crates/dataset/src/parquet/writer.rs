@@ -1,3 +1,9 @@
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "counts are far below 2^31, and single precision is the precision of the format"
+)]
+
 use crate::parquet::column::Column;
 use crate::parquet::thrift::{Thrift, write_varint};
 
