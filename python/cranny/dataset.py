@@ -49,20 +49,20 @@ class Dataset:
     def __init__(self, path: str | Path) -> None:
         """Opens the folder of a set. A shard and a set that is not complete have the rows of their finished chunks."""
         parquet = _parquet()
-        self.path = Path(path)
-        description = self.path / "dataset.json"
+        self.folder = Path(path)
+        description = self.folder / "dataset.json"
         if not description.is_file():
-            raise ValueError(f"{self.path}: no data set: expected a folder written by `cranny dataset generate`")
+            raise ValueError(f"{self.folder}: no data set: expected a folder written by `cranny dataset generate`")
         #: Content of `dataset.json`.
         self.description: dict[str, Any] = json.loads(description.read_text(encoding="utf-8"))
         if self.description["format"] != "cranny-dataset/1":
             raise ValueError(f"{description}: unknown format {self.description['format']!r}")
-        finished = sorted(file.name for file in (self.path / "scenes").glob("*.parquet"))
+        finished = sorted(file.name for file in (self.folder / "scenes").glob("*.parquet"))
         if not finished:
-            raise ValueError(f"{self.path}: the data set has no complete chunk yet")
+            raise ValueError(f"{self.folder}: the data set has no complete chunk yet")
 
         def whole(part: str) -> pyarrow.Table:
-            files = [parquet.read_table(self.path / part / name) for name in finished]
+            files = [parquet.read_table(self.folder / part / name) for name in finished]
             return _arrow().concat_tables(files)
 
         #: Demonstrations, a row each: see the data card in the folder for the columns.
@@ -75,7 +75,7 @@ class Dataset:
         return int(self.table.num_rows)
 
     def __repr__(self) -> str:
-        return f"Dataset({str(self.path)!r}: {len(self)} rows, {len(self.solved)} solved)"
+        return f"Dataset({str(self.folder)!r}: {len(self)} rows, {len(self.solved)} solved)"
 
     @cached_property
     def solved(self) -> NDArray[np.int64]:
@@ -141,7 +141,7 @@ class Samples:
         tasks = dataset.table["task"].to_pylist()
         rows = [int(place) for place in dataset.solved if task is None or tasks[place] == task]
         if not rows:
-            raise ValueError(f"{dataset.path}: no solved row of the task {task!r}")
+            raise ValueError(f"{dataset.folder}: no solved row of the task {task!r}")
         poses = np.asarray(dataset.scenes["target_pose"].to_pylist() or [[]], dtype=object)
         parameters = dataset.scenes["parameter_m"].to_numpy()
         scenes = dataset.table["scene"].to_pylist()
