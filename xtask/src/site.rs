@@ -36,6 +36,7 @@ const SUMMARY: &str = "# Summary
 - [A campaign and its report](docs/your_campaign.md)
   - [All of a campaign file](docs/campaigns.md)
   - [On a cluster](docs/cluster.md)
+- [Data sets for training](docs/datasets.md)
 - [Carrying things out](docs/carrying_out.md)
 - [Putting things down](docs/placing.md)
 - [Motions for a robot](docs/motions.md)

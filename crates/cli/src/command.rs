@@ -4,6 +4,7 @@ use crate::arguments::{
     CertifyArguments, IkArguments, Output, PlanArguments, TaskArguments, VerifyArguments,
 };
 use crate::campaigns::bench::BenchArguments;
+use crate::content::dataset::DatasetArguments;
 use crate::content::grasps::GraspsArguments;
 use crate::content::object::ObjectArguments;
 use crate::content::robot::RobotArguments;
@@ -76,6 +77,8 @@ pub enum Command {
     Simulate(SimulateArguments),
     /// Run campaigns of trials; merge, report and replay their results
     Bench(BenchArguments),
+    /// Make, check and export sets of proven demonstrations
+    Dataset(DatasetArguments),
     /// Render a scenario or a plan: a picture, an animation, animated glTF, a page in one file
     Render(Box<RenderArguments>),
     /// Render what depth cameras see in a scenario, with errors within the bounds of their model

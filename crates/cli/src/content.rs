@@ -1,5 +1,9 @@
 //! `cranny scenario`, `object`, `robot`, `grasps`, `info` and `list`: the inputs of planning.
 
+pub(crate) mod dataset;
+pub(crate) mod dataset_check;
+pub(crate) mod dataset_export;
+pub(crate) mod dataset_generate;
 pub(crate) mod grasp_choice;
 pub(crate) mod grasp_loads;
 pub(crate) mod grasp_subject;

@@ -21,6 +21,9 @@ pub enum Failure {
     /// Error in a campaign or its results.
     #[error(transparent)]
     Bench(#[from] cranny_bench::BenchError),
+    /// Error in a recipe or a set of demonstrations.
+    #[error(transparent)]
+    Dataset(#[from] cranny_dataset::DatasetError),
     /// Input that cannot be simulated.
     #[error(transparent)]
     Sim(#[from] cranny_sim::SimError),

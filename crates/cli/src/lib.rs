@@ -64,6 +64,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Chosen::Object(arguments) => content::object::run(arguments, cli.output),
         Chosen::Simulate(arguments) => physics::simulate::run(arguments, cli.output),
         Chosen::Bench(arguments) => campaigns::bench::run(arguments, registry, cli.output),
+        Chosen::Dataset(arguments) => content::dataset::run(arguments, cli.output),
         Chosen::Robot(arguments) => content::robot::run(arguments, cli.output),
         Chosen::Roadmap(arguments) => planning::roadmap::run(arguments, cli.output),
         Chosen::Serve(arguments) => planning::serve::run(arguments, cli.output),

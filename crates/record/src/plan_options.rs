@@ -164,6 +164,7 @@ impl PlanOptions {
             min_score: self.min_score,
             goal_threshold: self.goal_threshold,
             keep_path: self.keep_path,
+            changes: None,
             optimise: self.optimise.map(|time| OptimiseSettings {
                 time,
                 score_weight: self.score_weight,

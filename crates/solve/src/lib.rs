@@ -23,6 +23,6 @@ pub use least_length::least_length;
 pub use paces::{Paces, SET_DOWN_M_S};
 pub use request::{DEFAULT_HOLD, MOST_HOLD, Request, Timing};
 pub use robustness::{JointRadius, PoseRadius, Robustness};
-pub use solve::solve;
+pub use solve::{solve, solve_with};
 pub use task_trajectory::{CLOSING_S, HandMotion, TaskTrajectory};
 pub use tilt::{Tilt, ToolSlack};

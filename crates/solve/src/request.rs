@@ -32,6 +32,9 @@ pub struct Request {
     pub goal_threshold: Option<f64>,
     /// True if a proven path is left as the planner found it, and not shortened.
     pub keep_path: bool,
+    /// Number of changes that are tried to shorten a path, without further searches for a better one. Default: 100, and the
+    /// searches of [`OptimiseSettings::delivery`].
+    pub changes: Option<usize>,
     /// Settings of the search for better paths after the first. Better paths are shortened regardless of `keep_path`.
     pub optimise: Option<OptimiseSettings>,
     /// Stages of the task. Default: the goal of the problem alone.
@@ -66,6 +69,7 @@ impl Default for Request {
             min_score: None,
             goal_threshold: None,
             keep_path: false,
+            changes: None,
             optimise: None,
             stages: Vec::new(),
             timing: None,

@@ -43,9 +43,23 @@ pub fn solve(
     request: &Request,
     observer: &mut dyn Observer,
 ) -> Result<Answer, SolveError> {
+    solve_with(problem, request, None, observer)
+}
+
+/// Solves a problem as [`solve`] does, with the carrier of the first object that is picked, which was made before: it depends on
+/// the cell and the object alone, and making it takes longer than many a search. Meant for many problems in one cell.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_with(
+    problem: &Problem,
+    request: &Request,
+    carrier: Option<&Arc<Carrier>>,
+    observer: &mut dyn Observer,
+) -> Result<Answer, SolveError> {
     request.check(problem)?;
     let begin = Instant::now();
-    let mut answer = solve_once(problem, request, observer)?;
+    let mut answer = solve_once(problem, request, (carrier, observer))?;
     // 8.
     /// Number of other seeds; more seeds rarely help.
     const OTHER_SEEDS: u64 = 8;
@@ -63,7 +77,7 @@ pub fn solve(
         let most = PATIENCE.saturating_mul(answer.statistics.iterations).max(LEAST_ITERATIONS);
         let budget = Budget { iterations: most, time: request.budget.time.saturating_sub(begin.elapsed()) };
         let again = Request { budget, seed: other_seed(request.seed, other), ..request.clone() };
-        let found = solve_once(problem, &again, &mut Unobserved)?;
+        let found = solve_once(problem, &again, (carrier, &mut Unobserved))?;
         let found_turn = needless_turn(problem.robot(), &found);
         if found.is_solved() && found_turn < turn {
             let Answer { budget, seed, statistics, .. } = answer;
@@ -84,10 +98,10 @@ fn needless_turn(robot: &Robot, answer: &Answer) -> f64 {
 fn solve_once(
     problem: &Problem,
     request: &Request,
-    observer: &mut dyn Observer,
+    (carrier, observer): (Option<&Arc<Carrier>>, &mut dyn Observer),
 ) -> Result<Answer, SolveError> {
     let (asked, numbers) = request.asked(problem)?;
-    let answer = solve_asked(&asked, request, (problem, observer))?;
+    let answer = solve_asked(&asked, request, (problem, carrier, observer))?;
     Ok(match (numbers, problem.grasps()) {
         (Some(numbers), Some(grasps)) => answer.with_grasp_numbers(&numbers, grasps.len()),
         _ => answer,
@@ -98,7 +112,7 @@ fn solve_once(
 fn solve_asked(
     problem: &Problem,
     request: &Request,
-    (whole, observer): (&Problem, &mut dyn Observer),
+    (whole, carrier, observer): (&Problem, Option<&Arc<Carrier>>, &mut dyn Observer),
 ) -> Result<Answer, SolveError> {
     let stages = request.stages_of(problem);
     let first = request.first_problem(problem)?;
@@ -113,7 +127,7 @@ fn solve_asked(
             let left = problem.clone().with_grasp_filter(GraspFilter::new(fault));
             found_alone(&left, planner.as_ref(), request, observer)?
         }
-        (stages, _) => found_in_stages(problem, planner.as_ref(), (stages, request), observer)?,
+        (stages, _) => found_in_stages(problem, planner.as_ref(), (stages, request), (carrier, observer))?,
     };
     let Found {
         report: PlanReport { outcome, statistics, failures, refused, .. },

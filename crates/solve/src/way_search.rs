@@ -7,7 +7,7 @@ use cranny_plan::{
     Unobserved, better, optimise, search,
 };
 use cranny_spatial::other_seed;
-use cranny_task::{Carrier, Criterion, Problem, Segment, Stage};
+use cranny_task::{Carrier, Criterion, LiftOffSettings, Problem, Segment, Stage, State};
 
 use crate::stages::chain::Chain;
 use crate::stages::onward::Piece;
@@ -36,7 +36,7 @@ pub(crate) fn found_alone(
     let is_shortened =
         problem.criterion() == Criterion::Exact && optimisation.is_none() && !request.keep_path;
     let (mut report, shortening) = if is_shortened && !report.path.is_empty() {
-        let (report, shortening) = shortened(problem, planner, report, request.seed)?;
+        let (report, shortening) = shortened(problem, planner, report, request)?;
         (report, Some(shortening))
     } else {
         (report, None)
@@ -52,10 +52,13 @@ pub(crate) fn found_in_stages(
     problem: &Problem,
     planner: &dyn Planner,
     (stages, request): (&[Stage], &Request),
-    observer: &mut dyn Observer,
+    (carrier, observer): (Option<&Arc<Carrier>>, &mut dyn Observer),
 ) -> Result<Found, SolveError> {
-    let chain = Chain::new(problem, stages, request)?;
-    let carrier = chain.first_carrier.clone();
+    let carrier = match (stages, carrier) {
+        ([Stage::Pick(_), _, ..], Some(carrier)) => Some(carrier.clone()),
+        _ => first_carrier(problem, stages)?,
+    };
+    let chain = Chain::new(problem, stages, request, carrier.clone())?;
     let (report, pieces) = chain.search(planner, observer)?;
     observer.search_ended();
     let begin = Instant::now();
@@ -64,24 +67,37 @@ pub(crate) fn found_in_stages(
     let mut unshortened = as_found(&pieces);
     let is_found = !pieces.is_empty();
     let is_shortened = is_found && !request.keep_path;
-    let pieces = if is_shortened { shortened_pieces(pieces, request.seed)? } else { pieces };
+    let changes = request.changes.unwrap_or(ShortcutSettings::default().attempts);
+    let pieces = if is_shortened { shortened_pieces(pieces, changes, request.seed)? } else { pieces };
     let (segments, optimisation) = match request.optimise.filter(|_| is_found) {
         Some(settings) => {
             let first = (pieces, unshortened.clone());
-            let (best, optimisation) =
-                optimised(problem, planner, (stages, request), first, (&report, settings), observer)?;
+            let (best, optimisation) = optimised(
+                problem,
+                planner,
+                (stages, request, carrier.as_ref()),
+                first,
+                (&report, settings),
+                observer,
+            )?;
             unshortened = best.1;
             (as_found(&best.0), Some(optimisation))
         }
         None => (as_found(&pieces), None),
     };
-    let attempts = ShortcutSettings::default().attempts;
     let shortening = (is_shortened && optimisation.is_none()).then(|| Shortening {
-        attempts,
+        attempts: changes,
         searches: 0,
         time_s: begin.elapsed().as_secs_f64(),
     });
     Ok(Found { report, segments, unshortened, shortening, optimisation, carrier })
+}
+
+/// Returns the carrier of the first object, if the first of several stages is a pick.
+fn first_carrier(problem: &Problem, stages: &[Stage]) -> Result<Option<Arc<Carrier>>, PlanError> {
+    let ([Stage::Pick(pick), _, ..], Some(start)) = (stages, State::start(problem)) else { return Ok(None) };
+    let picking = start.picking(problem, pick)?;
+    Ok(Some(Arc::new(Carrier::new(&picking, LiftOffSettings::default())?)))
 }
 
 /// Shortened pieces of a path through all stages, and the segments before shortening.
@@ -95,7 +111,7 @@ type Way = (Vec<Piece>, Vec<Segment>);
 fn optimised(
     problem: &Problem,
     planner: &dyn Planner,
-    (stages, request): (&[Stage], &Request),
+    (stages, request, carrier): (&[Stage], &Request, Option<&Arc<Carrier>>),
     first: Way,
     (report, settings): (&PlanReport, OptimiseSettings),
     observer: &mut dyn Observer,
@@ -122,13 +138,14 @@ fn optimised(
         }
         let budget = Budget { iterations: most_of_search.min(most_iterations / 2 - iterations), time: left };
         let again = Request { budget, seed: other_seed(request.seed, other), ..request.clone() };
-        let (report, pieces) = Chain::new(problem, stages, &again)?.search(planner, observer)?;
+        let (report, pieces) =
+            Chain::new(problem, stages, &again, carrier.cloned())?.search(planner, observer)?;
         iterations += report.statistics.iterations.max(LEAST_COUNTED);
         if pieces.is_empty() {
             continue;
         }
         let unshortened = pieces.iter().map(|(segment, _)| segment.clone()).collect();
-        let pieces = shortened_pieces(pieces, again.seed)?;
+        let pieces = shortened_pieces(pieces, ShortcutSettings::default().attempts, again.seed)?;
         let found = costs.of(&pieces)?;
         if found < cost {
             cost = found;
@@ -190,8 +207,8 @@ impl TaskCost<'_> {
 }
 
 /// Shortens the paths of those pieces that can be shortened.
-fn shortened_pieces(pieces: Vec<Piece>, seed: u64) -> Result<Vec<Piece>, PlanError> {
-    let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
+fn shortened_pieces(pieces: Vec<Piece>, attempts: usize, seed: u64) -> Result<Vec<Piece>, PlanError> {
+    let settings = ShortcutSettings { attempts, seed };
     let shortened = pieces.into_iter().map(|(segment, problem)| {
         let Some(problem) = problem else { return Ok((segment, None)) };
         let waypoints = shortcut(&problem, &segment.waypoints, settings)?.path;
@@ -226,13 +243,15 @@ fn shortened(
     problem: &Problem,
     planner: &dyn Planner,
     mut report: PlanReport,
-    seed: u64,
+    request: &Request,
 ) -> Result<(PlanReport, Shortening), PlanError> {
     let begin = Instant::now();
-    let settings = ShortcutSettings { seed, ..ShortcutSettings::default() };
+    let Request { seed, changes, .. } = *request;
+    let settings =
+        ShortcutSettings { attempts: changes.unwrap_or(ShortcutSettings::default().attempts), seed };
     let mut searches = 0;
     // Only the planner `reach` searches again, as these searches run `reach`: a path of another planner remains its own.
-    if planner.name() == Reach::default().name() {
+    if planner.name() == Reach::default().name() && changes.is_none() {
         let optimised = better(problem, report, OptimiseSettings::delivery(), seed, &mut Unobserved)?;
         (report, searches) = (optimised.report, optimised.searches);
     } else {

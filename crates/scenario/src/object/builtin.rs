@@ -7,7 +7,9 @@ mod screwdriver;
 mod sugar_box;
 mod tennis_ball;
 
-use cranny_shape::{ConvexParts, ShapeError, TriangleSoup};
+use std::sync::OnceLock;
+
+use cranny_shape::{ConvexParts, ShapeError, Solid, TriangleSoup};
 use cranny_spatial::Pose;
 
 use self::object_shape::ObjectShape;
@@ -21,13 +23,15 @@ pub(crate) struct Recipe {
     /// Published mass, in kilograms.
     pub mass_kg: f64,
     shape: fn() -> Result<ObjectShape, ShapeError>,
+    /// Volume of the mesh, made at its first use: with its hulls and trees, that takes milliseconds.
+    volume: OnceLock<Solid>,
 }
 
 static RECIPES: [Recipe; 4] = [
-    Recipe { name: "flat_screwdriver", mass_kg: 0.0984, shape: screwdriver::shape },
-    Recipe { name: "tennis_ball", mass_kg: 0.058, shape: || Ok(tennis_ball::shape()) },
-    Recipe { name: "sugar_box", mass_kg: 0.514, shape: || Ok(sugar_box::shape()) },
-    Recipe { name: "banana", mass_kg: 0.066, shape: banana::shape },
+    Recipe::new("flat_screwdriver", 0.0984, screwdriver::shape),
+    Recipe::new("tennis_ball", 0.058, || Ok(tennis_ball::shape())),
+    Recipe::new("sugar_box", 0.514, || Ok(sugar_box::shape())),
+    Recipe::new("banana", 0.066, banana::shape),
 ];
 
 /// Returns the names of the built-in objects.
@@ -63,6 +67,19 @@ pub(crate) fn recipe(name: &str) -> Result<&'static Recipe, ScenarioError> {
 }
 
 impl Recipe {
+    const fn new(name: &'static str, mass_kg: f64, shape: fn() -> Result<ObjectShape, ShapeError>) -> Self {
+        Self { name, mass_kg, shape, volume: OnceLock::new() }
+    }
+
+    /// Returns the volume of the mesh.
+    pub fn solid(&self) -> Result<Solid, ScenarioError> {
+        if let Some(known) = self.volume.get() {
+            return Ok(known.clone());
+        }
+        let solid = Solid::mesh(&self.mesh()?)?;
+        Ok(self.volume.get_or_init(|| solid).clone())
+    }
+
     /// Returns the object, with convex parts and stable poses.
     pub fn object(&self) -> Result<ObjectType, ScenarioError> {
         let ObjectShape { mesh, parts, solid } = (self.shape)()?.centred();

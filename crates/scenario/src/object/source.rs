@@ -73,7 +73,7 @@ impl ObjectSource {
     /// Returns the volume of the mesh, in the object's frame.
     pub(crate) fn solid(&self) -> Result<Solid, ScenarioError> {
         Ok(match &self.0 {
-            Kind::BuiltIn(recipe) => Solid::mesh(&recipe.mesh()?)?,
+            Kind::BuiltIn(recipe) => recipe.solid()?,
             Kind::Own(object) => object.solid()?,
         })
     }

@@ -67,16 +67,14 @@ struct Held<'a> {
 impl<'a> Chain<'a> {
     /// # Errors
     /// [`TaskError::NothingToCarry`] under `paper`, and those of [`LaterStageChecks::new`].
-    pub fn new(problem: &'a Problem, stages: &'a [Stage], request: &'a Request) -> Result<Self, PlanError> {
+    pub fn new(
+        problem: &'a Problem,
+        stages: &'a [Stage],
+        request: &'a Request,
+        first_carrier: Option<Arc<Carrier>>,
+    ) -> Result<Self, PlanError> {
         let start = State::start(problem)
             .ok_or(cranny_task::TaskError::NothingToCarry { needs: "the exact criterion" })?;
-        let first_carrier = match stages {
-            [Stage::Pick(pick), _, ..] => {
-                let picking = start.picking(problem, pick)?;
-                Some(Arc::new(Carrier::new(&picking, LiftOffSettings::default())?))
-            }
-            _ => None,
-        };
         let places = stages.iter().any(|stage| matches!(stage, Stage::Place(_)));
         let effort = Effort::new((request.seed, request.budget.time), places);
         let (spoiled, begun) = (vec![Spoiled::new(); stages.len()], vec![0; stages.len()]);

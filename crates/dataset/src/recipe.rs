@@ -1,0 +1,149 @@
+use std::collections::BTreeMap;
+
+use cranny_collision::Margins;
+use cranny_scenario::{Family, RecipeRobot, SetSettings};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use strum::{IntoStaticStr, VariantArray};
+
+use crate::DatasetError;
+
+/// Recipe of a data set: with the version of Cranny it determines every byte of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DatasetRecipe {
+    /// Number of rows, each a query with its answer.
+    pub count: u64,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Number of rows of each scene, at least 1.
+    pub queries_per_scene: u64,
+    /// Families of the scenes, in turn.
+    pub families: Vec<FamilyRange>,
+    /// Names of built-in robots; the families of all scenes are run through for each in turn.
+    pub robots: Vec<String>,
+    /// Maximum number of clutter objects in a scene.
+    pub clutter: usize,
+    /// Relative frequency of each task; those of the weight 0 are left out.
+    pub tasks: BTreeMap<DemonstrationTask, f64>,
+    /// Range of the joints of a random start about the robot's own, as a share of their ranges, in [0, 1]. The first query of
+    /// a scene begins at the robot's own start, as do all for 0.
+    pub start_spread: f64,
+    /// Name of the planner.
+    pub planner: String,
+    /// Settings of the planner that differ from the defaults.
+    pub settings: Map<String, Value>,
+    /// Iteration limit of each search.
+    pub iterations: u64,
+    /// Number of changes that are tried to shorten a path.
+    pub changes: usize,
+    /// Required clearance of every motion, in metres.
+    pub margin_m: f64,
+    /// Required clearance between the hand and the target, in metres.
+    pub grasp_margin_m: f64,
+    /// Required factor of the hold on a carried object; `None`: the hold is not checked.
+    pub hold: Option<f64>,
+    /// Rate of the trajectories in exports, in Hz.
+    pub rate_hz: f64,
+    /// Licence of the data, an SPDX expression, for the data card.
+    pub licence: String,
+}
+
+/// Family of scenes with the range of its parameter.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FamilyRange {
+    /// Name of the family.
+    pub family: String,
+    /// Range of its difficulty parameter, in metres; `None`: the usual one, in the scale that suits the robot.
+    pub parameter_m: Option<[f64; 2]>,
+}
+
+/// Tasks of demonstrations.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, IntoStaticStr, VariantArray,
+)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum DemonstrationTask {
+    /// A path to a grasp.
+    Reach,
+    /// Reach, and the way back to the start with the object in the hand.
+    Carry,
+    /// Reach, and the object put down outside of the narrow space.
+    Place,
+}
+
+impl DemonstrationTask {
+    /// Name in recipes and rows.
+    pub fn name(self) -> &'static str {
+        self.into()
+    }
+
+    /// Returns the task of that name.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::VARIANTS.iter().copied().find(|task| task.name() == name)
+    }
+}
+
+impl Default for DatasetRecipe {
+    fn default() -> Self {
+        let family = |name: &str| FamilyRange { family: name.to_owned(), parameter_m: None };
+        Self {
+            count: 1000,
+            seed: 0,
+            queries_per_scene: 10,
+            families: ["shelf", "table", "gap", "gate"].map(family).to_vec(),
+            robots: vec!["panda_mobile".to_owned()],
+            clutter: 3,
+            tasks: BTreeMap::from([(DemonstrationTask::Reach, 1.0)]),
+            start_spread: 0.3,
+            planner: "reach".to_owned(),
+            settings: Map::new(),
+            iterations: 2000,
+            changes: 15,
+            margin_m: 0.0,
+            grasp_margin_m: 0.0,
+            hold: None,
+            rate_hz: 20.0,
+            licence: "CC-BY-4.0".to_owned(),
+        }
+    }
+}
+
+impl DatasetRecipe {
+    /// Number of scenes.
+    pub fn scenes(&self) -> u64 {
+        self.count.div_ceil(self.queries_per_scene.max(1))
+    }
+
+    /// Required clearances.
+    pub fn margins(&self) -> Margins {
+        Margins { margin_m: self.margin_m, grasp_margin_m: self.grasp_margin_m, ..Margins::default() }
+    }
+
+    /// Returns the robot and the family of a scene.
+    pub(crate) fn kind_of(&self, scene: u64) -> usize {
+        let kinds = self.families.len() * self.robots.len();
+        usize::try_from(scene % kinds.max(1) as u64).unwrap_or(0)
+    }
+
+    /// Returns robot, family and settings of each kind of scene.
+    ///
+    /// # Errors
+    /// Unknown families and robots.
+    pub(crate) fn kinds(&self) -> Result<Vec<(RecipeRobot, Family, SetSettings)>, DatasetError> {
+        let mut kinds = Vec::new();
+        for robot in &self.robots {
+            let robot = RecipeRobot::load(std::path::Path::new(robot))?;
+            for FamilyRange { family, parameter_m } in &self.families {
+                let family = Family::of_name(family)?;
+                let mut settings = SetSettings::new(family, &robot, self.seed);
+                settings.parameter_m = parameter_m.unwrap_or(settings.parameter_m);
+                settings.most_clutter = self.clutter;
+                kinds.push((robot.clone(), family, settings));
+            }
+        }
+        Ok(kinds)
+    }
+}

@@ -1,0 +1,4 @@
+//! Tests of data sets, as one program.
+
+mod recipes;
+mod sets;

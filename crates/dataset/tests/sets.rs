@@ -1,0 +1,188 @@
+//! Sets: the same bytes in shards, after a stop, and every false row found.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use cranny_dataset::{
+    CheckReport, CheckedRows, DatasetError, DatasetFolder, DatasetRecipe, DatasetShard, DatasetStatistics,
+    DemonstrationTask, FamilyRange, GenerateProgress, GenerateReport, PLAN_FILE, check, export_lerobot,
+    extract, generate, merge,
+};
+use cranny_path::AuditSettings;
+use cranny_record::{PlanFile, PlanSource};
+use cranny_scenario::{OpenOptions, Scenario};
+
+/// A recipe of 260 rows in 130 scenes, three chunks, of the two families that are fast.
+fn recipe() -> DatasetRecipe {
+    let family = |name: &str| FamilyRange { family: name.to_owned(), parameter_m: None };
+    DatasetRecipe {
+        count: 259,
+        seed: 7,
+        queries_per_scene: 2,
+        families: ["gap", "table"].map(family).to_vec(),
+        tasks: BTreeMap::from([
+            (DemonstrationTask::Reach, 14.0),
+            (DemonstrationTask::Carry, 1.0),
+            (DemonstrationTask::Place, 1.0),
+        ]),
+        ..DatasetRecipe::default()
+    }
+}
+
+fn made(recipe: &DatasetRecipe, shard: Option<DatasetShard>, folder: &Path) -> GenerateReport {
+    let stop = AtomicBool::new(false);
+    let progress = GenerateProgress { done: &|_, _| {}, stop: &stop, threads: 2 };
+    generate(recipe, shard, folder, &progress).unwrap()
+}
+
+fn checked(folder: &DatasetFolder) -> CheckReport {
+    check(folder, CheckedRows::All, &|_| {}, &AtomicBool::new(false)).unwrap()
+}
+
+/// Content of all files of a folder, by their names in it.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    let mut left = vec![folder.to_owned()];
+    while let Some(next) = left.pop() {
+        for entry in fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                left.push(path);
+            } else {
+                files.insert(
+                    path.strip_prefix(folder).unwrap().display().to_string(),
+                    fs::read(&path).unwrap(),
+                );
+            }
+        }
+    }
+    files
+}
+
+#[test]
+fn shards_and_resumed_runs_give_the_bytes_of_one_process() {
+    let place = tempfile::tempdir().unwrap();
+    let recipe = recipe();
+    let at = |name: &str| place.path().join(name);
+    let report = made(&recipe, None, &at("whole"));
+    assert!(
+        report.is_complete && report.rows == 259 && report.known == 0 && report.solved > 240,
+        "{report:?}"
+    );
+    let whole = files(&at("whole"));
+    assert_eq!(whole.len(), 2 + 2 * 3);
+
+    // Two shards, merged.
+    let shards: Vec<_> = (1..=2).map(|index| DatasetShard { index, of: 2 }).collect();
+    for shard in &shards {
+        made(&recipe, Some(*shard), &at(&format!("part {}", shard.index)));
+    }
+    let parts = [at("part 2"), at("part 1")];
+    merge(&parts, &at("merged"), &mut || {}).unwrap();
+    assert_eq!(files(&at("merged")), whole);
+    let fault = |parts: &[std::path::PathBuf]| merge(parts, &at("no"), &mut || {}).unwrap_err().to_string();
+    assert!(fault(&parts[..1]).contains("shard 1/2 is missing"));
+    assert!(fault(&[parts[0].clone(), parts[0].clone()]).contains("which is given twice"));
+    assert!(fault(&[parts[0].clone(), at("whole")]).contains("of another data set"));
+
+    // A run that is stopped, with what a kill may leave, and continued.
+    let stopped = at("stopped");
+    let (stop, rows) = (AtomicBool::new(false), AtomicU64::new(0));
+    let done = |more: u64, _: u64| {
+        if rows.fetch_add(more, Ordering::Relaxed) > 150 {
+            stop.store(true, Ordering::Relaxed);
+        }
+    };
+    let progress = GenerateProgress { done: &done, stop: &stop, threads: 1 };
+    let report = generate(&recipe, None, &stopped, &progress).unwrap();
+    assert!(!report.is_complete && report.rows == 128, "{report:?}");
+    fs::write(stopped.join("demonstrations/000002.parquet"), b"half of a file").unwrap();
+    let report = made(&recipe, None, &stopped);
+    assert_eq!((report.known, report.rows, report.is_complete), (128, 131, true));
+    assert_eq!(files(&stopped), whole);
+
+    // Another recipe does not write into the folder.
+    let other = DatasetRecipe { seed: 8, ..recipe };
+    let progress = GenerateProgress { done: &|_, _| {}, stop: &AtomicBool::new(false), threads: 1 };
+    let fault = generate(&other, None, &stopped, &progress).unwrap_err();
+    assert!(matches!(fault, DatasetError::OtherDataset { .. }), "{fault}");
+}
+
+#[test]
+fn all_rows_are_true_and_a_changed_one_is_found() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("set");
+    let recipe = DatasetRecipe { count: 40, queries_per_scene: 4, ..recipe() };
+    let tasks = DemonstrationTask::Reach;
+    let recipe = DatasetRecipe {
+        tasks: BTreeMap::from([
+            (tasks, 2.0),
+            (DemonstrationTask::Carry, 1.0),
+            (DemonstrationTask::Place, 1.0),
+        ]),
+        hold: Some(1.5),
+        ..recipe
+    };
+    made(&recipe, None, &folder);
+    let set = DatasetFolder::open(&folder).unwrap();
+    let report = checked(&set);
+    assert_eq!((report.checked, &report.faults[..]), (40, &[][..]));
+    let statistics = DatasetStatistics::of(&set, &mut || {}).unwrap();
+    assert_eq!((statistics.rows, statistics.solved), (40, report.proven));
+    assert!(report.proven > 30 && statistics.bytes / 40 < 3000, "{statistics:?}");
+
+    // Files with one value changed: a way point, a clearance, a grasp, the pose of an object.
+    let [demonstrations, scenes] = set.files(0);
+    let (sound, sound_scenes) = (fs::read(&demonstrations).unwrap(), fs::read(&scenes).unwrap());
+    let chunk = set.read(0).unwrap();
+    let row = chunk.demonstrations.iter().find(|row| row.is_solved() && row.waypoints.len() >= 27).unwrap();
+    for (value, in_scenes) in [
+        (row.waypoints[10], false),
+        (row.clearance_m, false),
+        (row.path_length, false),
+        (row.grasp_pose[3], false),
+        (chunk.scenes[0].placement[0], true),
+        (chunk.scenes[0].target_pose[1], true),
+    ] {
+        let (file, sound) = if in_scenes { (&scenes, &sound_scenes) } else { (&demonstrations, &sound) };
+        let bytes = value.to_le_bytes();
+        let at = sound.windows(8).position(|window| window == bytes).unwrap();
+        let mut other = sound.clone();
+        other[at..at + 8].copy_from_slice(&(value + 1e-7).to_le_bytes());
+        fs::write(file, &other).unwrap();
+        assert!(!checked(&set).faults.is_empty(), "{value}");
+        fs::write(file, sound).unwrap();
+    }
+    assert_eq!(checked(&set).faults, []);
+
+    // Each task can be extracted, and is verified as any other plan.
+    for task in ["reach", "carry", "place"] {
+        let row = chunk.demonstrations.iter().find(|row| row.is_solved() && row.task == task).unwrap();
+        let into = place.path().join(task);
+        extract(&set, row.row, &into).unwrap();
+        let scenario = Scenario::open(&into.display().to_string(), &OpenOptions::default()).unwrap();
+        let problem = scenario.problem(recipe.margins()).unwrap();
+        let plan = PlanFile::read(&into.join(PLAN_FILE)).unwrap();
+        let source = PlanSource { scenario: task.to_owned(), ..PlanSource::default() };
+        let judgement = plan.judge(&source, &problem, AuditSettings::default()).unwrap().unwrap();
+        assert!(judgement.audit.valid && judgement.differs.is_empty(), "{task}: {:?}", judgement.differs);
+        assert_eq!(plan.waypoints.concat(), row.waypoints);
+    }
+    let fault = extract(&set, 40, &place.path().join("none")).unwrap_err().to_string();
+    assert!(fault.contains("row 40 is not there: the data set has the rows from 0 to 39"), "{fault}");
+
+    // The export has a frame for each sample of each trajectory.
+    let into = place.path().join("lerobot");
+    let export = export_lerobot(&set, 10.0, &into, &mut || {}).unwrap();
+    let solved = chunk.demonstrations.iter().filter(|row| row.is_solved());
+    let frames: f64 = solved.map(|row| (row.duration_s * 10.0).ceil() + 1.0).sum();
+    assert_eq!((export.episodes, export.frames), (report.proven, frames as u64));
+    assert!(into.join("meta/info.json").exists() && into.join("data/chunk-000/file-000.parquet").exists());
+
+    // A damaged file is an error with its name.
+    fs::write(&demonstrations, &sound[..sound.len() - 9]).unwrap();
+    let fault = set.read(0).unwrap_err().to_string();
+    assert!(fault.contains("000000.parquet: the file is damaged"), "{fault}");
+}
