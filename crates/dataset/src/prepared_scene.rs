@@ -151,14 +151,14 @@ impl<'a> PreparedScene<'a> {
             let segments = if is_solved { answer.segments } else { Vec::new() };
             (outcome, segments, answer.hold, reason)
         };
-        demonstration.outcome = outcome.name().to_owned();
+        outcome.name().clone_into(&mut demonstration.outcome);
         demonstration.reason = reason;
         if segments.is_empty() {
             return Ok(demonstration);
         }
         let figures = Figures::of(&problem, &stages, &segments, self.carrier.as_ref(), &mut self.scratch)?;
         let Some(figures) = figures.filter(|figures| figures.is_valid) else {
-            demonstration.outcome = Outcome::ClaimedNotProven.name().to_owned();
+            Outcome::ClaimedNotProven.name().clone_into(&mut demonstration.outcome);
             return Ok(demonstration);
         };
         demonstration.set_segments(&segments);

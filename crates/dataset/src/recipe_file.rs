@@ -1,3 +1,5 @@
+#![allow(clippy::needless_pass_by_value, reason = "entries of a file are taken over by their checks")]
+
 use std::collections::BTreeMap;
 use std::path::Path;
 

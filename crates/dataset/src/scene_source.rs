@@ -16,8 +16,11 @@ pub struct SceneSource {
     recipe: DatasetRecipe,
     makers: Vec<SetMaker>,
     /// Carriers of the object in the first scene of each kind and number of bodies, made at their first use.
-    carriers: Mutex<BTreeMap<(usize, usize), Option<Arc<Carrier>>>>,
+    carriers: Mutex<Carriers>,
 }
+
+/// Carriers by kind of scene and index of the target; `None` for a robot whose hand cannot close.
+type Carriers = BTreeMap<(usize, usize), Option<Arc<Carrier>>>;
 
 impl SceneSource {
     /// Samples the grasps of all objects, which takes about a second.
@@ -57,17 +60,13 @@ impl SceneSource {
         let maker = &self.makers[self.recipe.kind_of(scene)];
         let (member, rejected) = maker.member(scene)?;
         let (family, rejected) = (maker.family().family.name(), rejected.total() as u64);
-        Ok(match member {
-            Some(member) => {
-                (SceneRow { rejected, ..SceneRow::of(scene, family, &member) }, Some(member.recipe))
-            }
-            None => {
-                let robot = maker.family().robot().robot.name().to_owned();
-                let parameter_m = f64::NAN;
-                let family = family.to_owned();
-                (SceneRow { scene, family, robot, parameter_m, rejected, ..SceneRow::default() }, None)
-            }
-        })
+        if let Some(member) = member {
+            let row = SceneRow { rejected, ..SceneRow::of(scene, family, &member) };
+            return Ok((row, Some(member.recipe)));
+        }
+        let robot = maker.family().robot().robot.name().to_owned();
+        let (parameter_m, family) = (f64::NAN, family.to_owned());
+        Ok((SceneRow { scene, family, robot, parameter_m, rejected, ..SceneRow::default() }, None))
     }
 
     /// Returns the carrier of the object of a scene; `None` for a robot whose hand cannot close.

@@ -175,7 +175,7 @@ mod tests {
             ("e", Column::Double((0..9).map(|n| f64::from(n) / 3.0).collect())),
             ("f", Column::Text((0..9).map(|n| "ä".repeat(n)).collect())),
             ("g", Column::Bytes((0..9).map(|n| vec![n; 3]).collect())),
-            ("h", Column::Doubles((0..9).map(|n| vec![f64::from(n); n as usize % 4]).collect())),
+            ("h", Column::Doubles((0..9_u8).map(|n| vec![f64::from(n); usize::from(n) % 4]).collect())),
             ("i", Column::Texts((0..9).map(|n| vec!["x".to_owned(); n % 3]).collect())),
             ("j", Column::Int32s((0..9).map(|n| vec![n; 40]).collect())),
             ("k", Column::Floats(vec![Vec::new(); 9])),
