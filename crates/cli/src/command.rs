@@ -11,13 +11,13 @@ use crate::content::robot::RobotArguments;
 use crate::content::scenario::ScenarioArguments;
 use crate::physics::simulate::SimulateArguments;
 use crate::pictures::render::RenderArguments;
+use crate::pictures::sense::SenseArguments;
 use crate::pictures::view::ViewArguments;
 use crate::planning::roadmap::RoadmapArguments;
 use crate::planning::serve::ServeArguments;
 use crate::program::completions::CompletionsArguments;
 use crate::program::manual::ManualArguments;
 use crate::program::version;
-use crate::sensing::sense::SenseArguments;
 
 /// Plans how a mobile manipulator reaches into a confined space and grasps an object.
 ///

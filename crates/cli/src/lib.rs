@@ -14,7 +14,6 @@ mod pictures;
 mod planning;
 mod program;
 mod progress;
-mod sensing;
 mod start;
 mod statements;
 mod text;
@@ -68,7 +67,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Chosen::Robot(arguments) => content::robot::run(arguments, cli.output),
         Chosen::Roadmap(arguments) => planning::roadmap::run(arguments, cli.output),
         Chosen::Serve(arguments) => planning::serve::run(arguments, cli.output),
-        Chosen::Sense(arguments) => sensing::sense::run(arguments, cli.output),
+        Chosen::Sense(arguments) => pictures::sense::run(arguments, cli.output),
         Chosen::Render(arguments) if arguments.all => pictures::render_sheet::run(arguments, cli.output),
         Chosen::Render(arguments) => pictures::render::run(arguments, registry, cli.output),
         Chosen::View(arguments) => pictures::view::run(arguments, registry, cli.output),

@@ -1,4 +1,4 @@
-//! `cranny render` and `cranny view`: pictures and pages.
+//! `cranny render`, `cranny sense` and `cranny view`: pictures, what cameras see, and pages.
 
 pub(crate) mod page_task;
 pub(crate) mod render;
@@ -7,4 +7,5 @@ pub(crate) mod render_format;
 pub(crate) mod render_sheet;
 pub(crate) mod robot_picture;
 pub(crate) mod search_replay;
+pub(crate) mod sense;
 pub(crate) mod view;

@@ -58,7 +58,7 @@ fn clouds_that_are_no_obstacles_are_refused_with_their_line() {
         (obstacle("file: shelf.pcd, radius_m: 0"), "the radius of the points of a cloud"),
         (obstacle("file: shelf.pcd"), "missing field `radius_m`"),
         (obstacle("file: lost.pcd, radius_m: 0.004"), "scenario.yaml:7: "),
-        (obstacle("file: lost.pcd, radius_m: 0.004"), "file not found; did you mean"),
+        (obstacle("file: shelv.pcd, radius_m: 0.004"), "file not found; did you mean"),
         (obstacle("file: scenario.yaml, radius_m: 0.004"), "no point cloud that is read"),
         (
             obstacle("file: shelf.pcd, radius_m: 0.004, voxel_m: -1"),

@@ -40,10 +40,10 @@ fn occupied_cells_are_obstacles_at_the_pose_of_the_tree() {
     assert!((half_extents.add_scalar(-0.25)).amax() < 1e-6, "{half_extents}");
 }
 
-/// The base, of 8 cm radius, stands in a cell that begins 5 cm beside its axis, and beside one that begins 20 cm from it.
+/// The arm, 5 cm wide, stands in a cell that begins 1 cm beside its axis, and beside one that begins 10 cm from it.
 #[test]
 fn the_robot_touches_an_octomap_where_it_touches_a_cell() {
-    for (x, is_touched) in [(0.05, true), (0.2, false)] {
+    for (x, is_touched) in [(0.01, true), (0.1, false)] {
         let folder = Folder::new();
         let keys = format!("binary: true, id: OcTree, resolution: 0.5, data: {}", one_cell());
         let world = octomap(&format!("{{position: [{x}, -0.25, -1]}}"), &keys);
@@ -73,7 +73,7 @@ fn octomaps_that_are_not_read_are_refused_with_the_reason() {
         (format!("binary: true, id: OcTree, resolution: 0, data: {cell}"), "the resolution is 0"),
         (format!("binary: true, id: OcTree, data: {cell}"), "the resolution is 0"),
         ("binary: true, id: OcTree, resolution: 0.5, data: [3]".to_owned(), "ends within the tree"),
-        ("binary: true, id: OcTree, resolution: 0.5, data: [2, 0, 1]".to_owned(), "1 bytes follow"),
+        ("binary: true, id: OcTree, resolution: 0.01, data: [2, 0, 1]".to_owned(), "1 bytes follow"),
         (
             "binary: true, id: OcTree, resolution: 0.5, data: [300, 0]".to_owned(),
             "a list of bytes, -128 to 255",

@@ -2,7 +2,7 @@
 
 mod ascii_rows;
 mod back_projection;
-pub(crate) mod cloud_file;
+mod cloud_file;
 mod collector;
 mod lzf;
 pub(crate) mod message;
@@ -12,5 +12,6 @@ mod pcd;
 mod pcd_header;
 mod ply;
 pub(crate) mod point_cloud;
+pub(crate) mod read_cloud;
 mod row;
 pub(crate) mod surface_samples;

@@ -16,9 +16,9 @@ mod sensor_model;
 mod view;
 
 pub use camera::{Camera, MOST_SIDE_PX};
-pub use cloud::cloud_file::ReadCloud;
 pub use cloud::message::{CloudField, CloudMessage};
 pub use cloud::point_cloud::PointCloud;
+pub use cloud::read_cloud::ReadCloud;
 pub use cloud::surface_samples::sample_surfaces;
 pub use default_cameras::{DefaultCameras, default_cameras};
 pub use depth_image::DepthImage;

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use cranny_file::{TABLE, excerpt};
+use cranny_file::{LIFTED_BY, TABLE, are_limits_lifted, excerpt};
 use cranny_shape::Aabb;
 use cranny_spatial::{FARTHEST_M, Point, Vector};
 
@@ -20,8 +20,9 @@ pub struct Octree {
 /// Depth of a tree: the root has 2¹⁶ smallest cells along each axis.
 const DEPTH: u32 = 16;
 
-/// Maximum number of cells, which take 48 bytes each.
-const MOST_CELLS: usize = 1 << 24;
+/// Maximum number of cells, of 48 bytes each, of which two bytes of a file can hold eight; a floor of 50 m with cells of 5 cm has
+/// two million.
+const MOST_CELLS: usize = 1 << 22;
 
 /// First line of a file.
 const MAGIC: &str = "# Octomap OcTree binary file";
@@ -152,8 +153,8 @@ impl Nodes<'_> {
             }
             cells.push(cell);
         }
-        if self.tree.free.len() + self.tree.occupied.len() > MOST_CELLS {
-            return Err(format!("the tree has more than {MOST_CELLS} cells"));
+        if self.tree.free.len() + self.tree.occupied.len() > MOST_CELLS && !are_limits_lifted() {
+            return Err(format!("the tree has more than {MOST_CELLS} cells ({LIFTED_BY} lifts this limit)"));
         }
         for index in (0..8).filter(|index| (bits >> (2 * index)) & 3 == 3) {
             if depth == 1 {

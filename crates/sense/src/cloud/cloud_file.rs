@@ -2,17 +2,9 @@ use std::path::Path;
 
 use cranny_file::TABLE;
 
+use crate::cloud::read_cloud::ReadCloud;
 use crate::cloud::{npy, pcd, ply};
 use crate::{PointCloud, SenseError};
-
-/// Point cloud as read.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ReadCloud {
-    /// Valid points; at least one.
-    pub cloud: PointCloud,
-    /// Number of points that were dropped because a coordinate is not finite.
-    pub dropped: usize,
-}
 
 impl PointCloud {
     /// Reads a point cloud: PLY (text or binary), PCD of version 0.7 (text, binary or compressed), or a `NumPy` array of shape

@@ -1,7 +1,7 @@
 use cranny_spatial::FARTHEST_M;
 
 use crate::PointCloud;
-use crate::cloud::cloud_file::ReadCloud;
+use crate::cloud::read_cloud::ReadCloud;
 
 /// Collector of points, which drops those that are not finite and refuses those that are too far away.
 pub(crate) struct Collector {

@@ -1,5 +1,10 @@
+use cranny_file::{LIFTED_BY, are_limits_lifted};
+
 /// Greatest expansion of LZF: three bytes give at most 264.
 const MOST_EXPANSION: usize = 88;
+
+/// Maximum size of the data, in bytes, as of a file that is not compressed.
+const MOST_BYTES: usize = 1 << 30;
 
 /// Returns the data that `packed` holds, of exactly `size` bytes (Lehmann, `LibLZF` 3.6, `lzf_d.c`, whole).
 ///
@@ -9,6 +14,11 @@ pub(crate) fn unpacked(packed: &[u8], size: usize) -> Result<Vec<u8>, String> {
     // Before memory of that size is taken.
     if size > packed.len().saturating_mul(MOST_EXPANSION) {
         return Err(format!("{} compressed bytes cannot hold {size} bytes", packed.len()));
+    }
+    if size > MOST_BYTES && !are_limits_lifted() {
+        return Err(format!(
+            "{size} bytes are more than the {MOST_BYTES} that are unpacked ({LIFTED_BY} lifts this limit)"
+        ));
     }
     let cut = || "the compressed data ends too early".to_owned();
     let mut data = Vec::with_capacity(size);
@@ -60,6 +70,7 @@ mod tests {
             (&packed[..3], 3, "ends too early"),
             (&[5 << 5, 2], 7, "beyond its start"),
             (&packed, 1 << 40, "cannot hold"),
+            (&vec![0xff; 1 << 24][..], (1 << 30) + 1, "more than the 1073741824 that are unpacked"),
         ] {
             let fault = unpacked(packed, size).unwrap_err();
             assert!(fault.contains(words), "no '{words}' in {fault}");

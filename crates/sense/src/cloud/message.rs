@@ -1,6 +1,6 @@
-use crate::cloud::cloud_file::ReadCloud;
 use crate::cloud::collector::Collector;
 use crate::cloud::number::Number;
+use crate::cloud::read_cloud::ReadCloud;
 use crate::cloud::row::{Row, axes};
 
 /// Point cloud in the form of a `sensor_msgs/PointCloud2`.

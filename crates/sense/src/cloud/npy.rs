@@ -1,7 +1,7 @@
 use cranny_file::NpyArray;
 
-use crate::cloud::cloud_file::ReadCloud;
 use crate::cloud::collector::Collector;
+use crate::cloud::read_cloud::ReadCloud;
 
 /// Reads a `NumPy` array of shape (n, 3), or (rows, columns, 3) as of an image.
 ///

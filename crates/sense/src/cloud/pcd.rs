@@ -1,9 +1,9 @@
 use crate::cloud::ascii_rows::{check_count, read_rows};
-use crate::cloud::cloud_file::ReadCloud;
 use crate::cloud::collector::Collector;
 use crate::cloud::lzf::unpacked;
 use crate::cloud::number::Number;
 use crate::cloud::pcd_header::{Field, Form, Header};
+use crate::cloud::read_cloud::ReadCloud;
 use crate::cloud::row::Row;
 
 /// Returns true if bytes begin as a PCD file: a comment or a line of its header.

@@ -1,9 +1,9 @@
 use cranny_file::excerpt;
 
 use crate::cloud::ascii_rows::{check_count, read_rows};
-use crate::cloud::cloud_file::ReadCloud;
 use crate::cloud::collector::Collector;
 use crate::cloud::number::Number;
+use crate::cloud::read_cloud::ReadCloud;
 use crate::cloud::row::{Row, axes};
 
 /// Maximum number of elements and properties of a header: a splat of Gaussians, which has the most, has 63.

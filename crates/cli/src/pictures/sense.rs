@@ -132,12 +132,10 @@ pub fn run(arguments: &SenseArguments, output: Output) -> Result<Answer, Failure
     let scenario = open_scenario(&arguments.id, &options, output)?;
     let scene = scenario.sensed()?;
     let spinner = progress::spinner("rendering", output.quiet);
-    let cameras = match (&arguments.cameras, arguments.default_cameras) {
-        (Some(file), _) => CameraFile::read(file)?.cameras,
-        (None, count) => scenario.default_cameras(&scene, count.unwrap_or(1))?,
-    };
-    let views = rendered(arguments, &scenario, &scene, &cameras)?;
+    let views = cameras(arguments, &scenario, &scene)
+        .and_then(|cameras| rendered(arguments, &scenario, &scene, &cameras));
     spinner.finish_and_clear();
+    let views = views?;
     let format = match arguments.format {
         FormatArgument::Png => DepthFormat::Png,
         FormatArgument::Npy => DepthFormat::Npy,
@@ -179,6 +177,17 @@ fn named(file: NamedFile) -> output_file::NamedFile {
         _ => FileKind::Views,
     };
     output_file::NamedFile { name: file.name, kind, content: file.content }
+}
+
+fn cameras(
+    arguments: &SenseArguments,
+    scenario: &Scenario,
+    scene: &SensedScene,
+) -> Result<Vec<PlacedCamera>, Failure> {
+    match (&arguments.cameras, arguments.default_cameras) {
+        (Some(file), _) => Ok(CameraFile::read(file)?.cameras),
+        (None, count) => Ok(scenario.default_cameras(scene, count.unwrap_or(1))?),
+    }
 }
 
 fn rendered(

@@ -1,3 +1,0 @@
-//! Commands of depth cameras.
-
-pub mod sense;
