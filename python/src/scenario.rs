@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use cranny_collision::{Margins, World};
 use cranny_scenario::{
-    Geometry, GivenGrasps, OpenOptions, Recipe, RobotSource, Scenario, TargetPhysics, WorldConversion,
-    built_in, catalogue, write_moveit_scene, write_whole_folder,
+    Geometry, GivenGrasps, OpenOptions, Recipe, Scenario, WorldConversion, built_in, catalogue,
+    write_moveit_scene, write_whole_folder,
 };
 use cranny_task::{Criterion, Goal, Problem};
 use cranny_view::StandardView;
@@ -104,28 +104,12 @@ impl PyScenario {
                 return Err(bad_value("start: the robot has no default start; give a configuration"));
             }
         };
+        let bare = Scenario::bare(name.to_owned(), own_robot, World::new(all).map_err(fault)?, Vec::new());
         let scenario = Scenario {
-            id: name.to_owned(),
-            criterion: Criterion::Exact,
-            robot: own_robot,
-            robot_source: RobotSource::Other,
-            world: World::new(all).map_err(fault)?,
             target,
-            target_source: None,
-            given_physics: TargetPhysics::default(),
-            start: start.clone(),
             grasps: grasps.map(|grasps| grasps.get().set.clone()).unwrap_or_default(),
             has_grasp_set: grasps.is_some() || target.is_none(),
-            ik: Vec::new(),
-            places: Vec::new(),
-            regions: BTreeMap::new(),
-            tasks: Vec::new(),
-            physics: BTreeMap::new(),
-            colours: BTreeMap::new(),
-            joint_bounds: BTreeMap::new(),
-            speeds: Vec::new(),
-            export: None,
-            seen: None,
+            ..bare
         };
         let made = Made::opened(&robot.py().get_type::<Self>().getattr("of")?, (robot, bodies), &keywords)?;
         Ok(Self {

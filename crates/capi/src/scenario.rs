@@ -1,6 +1,5 @@
 //! `CrannyScenario`: a task: robot, world, object, grasps or goals.
 
-use std::collections::BTreeMap;
 use std::ffi::{CString, c_char};
 use std::mem::MaybeUninit;
 use std::path::{Path, PathBuf};
@@ -9,9 +8,9 @@ use std::sync::Arc;
 
 use cranny::collision::{Margins, World};
 use cranny::record::PlanSource;
-use cranny::scenario::{Geometry, GivenGrasps, MoveItOptions, MoveItProblem, RobotSource, TargetPhysics};
+use cranny::scenario::{Geometry, GivenGrasps, MoveItOptions, MoveItProblem};
 use cranny::task::Criterion;
-use cranny::{Goal, GraspSet, OpenOptions, Problem, Robot, Scenario};
+use cranny::{Goal, OpenOptions, Problem, Robot, Scenario};
 use serde::Deserialize;
 
 use crate::boundary::{NumberBuffer, Numbers, Text, answered, given, guarded, put};
@@ -91,30 +90,7 @@ impl Asked {
 
 /// Scenario of a robot in a world, without a file.
 fn scenario_of(id: String, robot: Arc<Robot>, world: World, start: Vec<f64>) -> Result<Scenario, Fault> {
-    let scenario = Scenario {
-        id,
-        criterion: Criterion::Exact,
-        robot,
-        robot_source: RobotSource::Other,
-        world,
-        target: None,
-        target_source: None,
-        given_physics: TargetPhysics::default(),
-        start: start.clone(),
-        grasps: GraspSet::default(),
-        has_grasp_set: true,
-        ik: Vec::new(),
-        places: Vec::new(),
-        regions: BTreeMap::new(),
-        tasks: Vec::new(),
-        physics: BTreeMap::new(),
-        colours: BTreeMap::new(),
-        joint_bounds: BTreeMap::new(),
-        speeds: Vec::new(),
-        export: None,
-        seen: None,
-    };
-    Ok(scenario.with_start(start)?)
+    Ok(Scenario::bare(id, robot, world, Vec::new()).with_start(start)?)
 }
 
 /// Options of a scenario, in the words of Python's `Scenario`.

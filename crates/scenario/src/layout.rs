@@ -11,7 +11,6 @@ pub(crate) mod own_bounds;
 pub(crate) mod own_colours;
 pub(crate) mod own_export;
 pub(crate) mod own_file;
-pub(crate) mod own_seen;
 pub(crate) mod own_tasks;
 pub(crate) mod recipe;
 pub(crate) mod recipe_file;

@@ -15,7 +15,7 @@ mod obstacle;
 mod robot;
 mod scenario;
 mod schema;
-mod seen_space;
+mod seen;
 mod sensing;
 mod stated_speed;
 
@@ -67,5 +67,5 @@ pub use robot::opening::measured_opening_m;
 pub use robot::source::{RecipeRobot, RobotSource};
 pub use scenario::{BodyColours, Geometry, OpenOptions, Scenario};
 pub use schema::SchemaFile;
-pub use seen_space::{SeenOptions, SeenSpace};
+pub use seen::seen_space::{SeenOptions, SeenSpace};
 pub use stated_speed::StatedSpeed;

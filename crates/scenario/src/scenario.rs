@@ -101,6 +101,34 @@ impl Geometry {
 }
 
 impl Scenario {
+    /// Returns the scenario of a robot in a world, under [`Criterion::Exact`], with a start (m, rad; one value per joint) that is not
+    /// checked, and with nothing else.
+    pub fn bare(id: String, robot: Arc<Robot>, world: World, start: Vec<f64>) -> Self {
+        Self {
+            id,
+            criterion: Criterion::Exact,
+            robot,
+            robot_source: RobotSource::Other,
+            world,
+            target: None,
+            target_source: None,
+            given_physics: TargetPhysics::default(),
+            start,
+            grasps: GraspSet::default(),
+            has_grasp_set: true,
+            ik: Vec::new(),
+            places: Vec::new(),
+            regions: BTreeMap::new(),
+            tasks: Vec::new(),
+            physics: BTreeMap::new(),
+            colours: BTreeMap::new(),
+            joint_bounds: BTreeMap::new(),
+            speeds: Vec::new(),
+            export: None,
+            seen: None,
+        }
+    }
+
     /// Returns the task of that name.
     ///
     /// # Errors

@@ -60,7 +60,8 @@ fn hits(cloud: &BoxUnion, balls: &[([f32; 3], f32)]) -> usize {
 /// Returns a point on one of twelve boxes, which fill a room of 2 m.
 fn on_a_box(random: &mut Stream) -> [f32; 3] {
     let number = f64::from(u32::try_from(random.index(12)).unwrap_or(0));
-    let center = [0.7 * libm::sin(number * 1.7), 0.7 * libm::cos(number * 2.9), 0.7 * libm::sin(number * 0.6)];
+    let center =
+        [0.7 * libm::sin(number * 1.7), 0.7 * libm::cos(number * 2.9), 0.7 * libm::sin(number * 0.6)];
     let half = [0.1 + 0.02 * number, 0.3, 0.05 + 0.01 * number];
     let face = random.index(6);
     std::array::from_fn(|axis| {

@@ -6,7 +6,7 @@ use cranny_collision::{Body, Part, World};
 use cranny_file::{TABLE, TEXT, did_you_mean};
 use cranny_grasp::{GraspError, GraspSet, parse_csv};
 use cranny_robot::{JointGroup, Location, Robot, RobotOptions, TextSource};
-use cranny_sense::PointCloud;
+use cranny_sense::{PointCloud, View, Views};
 use cranny_shape::{BoxUnion, ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{EXACT_ROTATION_RAD, Pose, Rotation, Vector};
 use cranny_task::{PlaceGoal, PlaceRegion};
@@ -120,7 +120,7 @@ pub(crate) fn open_texts(
     };
     // Loads are valid only for the hand that the scenario names.
     let grasps = if options.robot.is_some() { stated.without_loads() } else { stated };
-    Scenario {
+    let scenario = Scenario {
         id,
         criterion,
         start: match layout.start_of_other(&file.start, &robot, options) {
@@ -151,8 +151,11 @@ pub(crate) fn open_texts(
         seen: None,
     }
     .on_its_ground(options)?
-    .with_checked_start(&layout.at(file.start.referenced).to_string())?
-    .with_seen_entry(&layout, file.seen.as_ref())
+    .with_checked_start(&layout.at(file.start.referenced).to_string())?;
+    let Some(seen) = &file.seen else { return Ok(scenario) };
+    let views = Views::read(&folder.join(&seen.value.views))?;
+    let views: Vec<View> = views.views.into_iter().map(|stored| stored.view).collect();
+    scenario.with_seen(&views, &seen.value.options())
 }
 
 pub(crate) const FLOOR: &str = "floor";

@@ -11,7 +11,7 @@ use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_saphyr::Spanned;
 
-use crate::layout::own_seen::SeenEntry;
+use crate::seen::seen_entry::SeenEntry;
 
 /// Scenario file. Poses and heights are in the scene frame; metres, and degrees where the key contains `deg`.
 #[derive(Deserialize, JsonSchema)]

@@ -1,4 +1,3 @@
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -79,27 +78,14 @@ pub(crate) fn open_with(
         _ => Vec::new(),
     };
     Scenario {
-        id: scenario::id_of(folder),
         criterion,
-        robot,
         robot_source,
-        world: World::new(bodies)?,
         target,
-        target_source: None,
         given_physics,
-        start,
         grasps: grasps(folder)?,
-        has_grasp_set: true,
-        places: Vec::new(),
-        regions: BTreeMap::new(),
-        tasks: Vec::new(),
-        physics: BTreeMap::new(),
-        colours: BTreeMap::new(),
-        joint_bounds: BTreeMap::new(),
-        speeds: Vec::new(),
         ik,
         export: exported.map(|exported| exported.surface),
-        seen: None,
+        ..Scenario::bare(scenario::id_of(folder), robot, World::new(bodies)?, start)
     }
     .on_its_ground(options)?
     .with_checked_start(&start_file.display().to_string())

@@ -1,17 +1,13 @@
-//! Key `seen` of a `scenario.yaml`: views of depth cameras as obstacles.
-
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use cranny_sense::{Unseen, View, Views};
+use cranny_sense::Unseen;
 use cranny_shape::Aabb;
 use cranny_spatial::Point;
 use schemars::JsonSchema;
 use serde::Deserialize;
-use serde_saphyr::Spanned;
 
-use crate::layout::own::Layout;
-use crate::{Scenario, ScenarioError, SeenOptions};
+use crate::seen::seen_space::SeenOptions;
 
 /// Views of depth cameras as obstacles. Positions are in the frame of the robot's root.
 #[derive(Deserialize, JsonSchema)]
@@ -50,7 +46,8 @@ pub(crate) struct RegionEntry {
 }
 
 impl SeenEntry {
-    fn options(&self) -> SeenOptions {
+    /// Returns the options of the map; the views are in the folder of the file.
+    pub fn options(&self) -> SeenOptions {
         let default = SeenOptions::default();
         let region = |RegionEntry { low, high }: RegionEntry| {
             let (low, high) = (Point::from(low), Point::from(high));
@@ -67,20 +64,6 @@ impl SeenEntry {
             floor_reach_m: self.floor_reach_m.unwrap_or(default.floor_reach_m),
             target_tolerance_m: self.target_tolerance_m.unwrap_or(default.target_tolerance_m),
         }
-    }
-}
-
-impl Scenario {
-    /// Returns the scenario with the views that its file names.
-    pub(crate) fn with_seen_entry(
-        self,
-        layout: &Layout<'_>,
-        entry: Option<&Spanned<SeenEntry>>,
-    ) -> Result<Self, ScenarioError> {
-        let Some(entry) = entry else { return Ok(self) };
-        let views = Views::read(&layout.folder.join(&entry.value.views))?;
-        let views: Vec<View> = views.views.into_iter().map(|stored| stored.view).collect();
-        self.with_seen(&views, &entry.value.options())
     }
 }
 
@@ -108,47 +91,5 @@ impl SeenOptions {
             }
         }
         text
-    }
-
-    /// Writes what is known of a scenario beside views in this folder: robot, start, target, grasps and floor, with the views as
-    /// obstacles.
-    ///
-    /// # Errors
-    /// As [`Scenario::write_folder`].
-    pub fn write_scenario(&self, scenario: &Scenario, folder: &std::path::Path) -> Result<(), ScenarioError> {
-        let hidden = scenario.with_known_bodies_only()?;
-        let mut recipe = crate::Recipe::of_scenario(&hidden)?;
-        recipe.title = format!("scenario {} as cameras see it", scenario.id);
-        recipe.write_folder(folder)?;
-        crate::files::atomic_file::write_into(
-            folder,
-            crate::layout::own::FILE,
-            format!("{}{}", recipe.yaml(), self.yaml()),
-        )
-    }
-}
-
-impl Scenario {
-    /// Returns the scenario without its obstacles, and without what refers to them: tasks, places and known configurations.
-    ///
-    /// # Errors
-    /// [`ScenarioError::Collision`] for an invalid pose.
-    pub fn with_known_bodies_only(&self) -> Result<Self, ScenarioError> {
-        let is_floor =
-            |body: usize| self.world.bodies()[body].parts.iter().all(|part| part.solid.is_half_space());
-        let is_known = |body: &usize| self.target == Some(*body) || is_floor(*body);
-        let kept = (0..self.world.bodies().len()).filter(is_known);
-        let bodies = kept.map(|body| self.world.bodies()[body].clone()).collect();
-        Ok(Self {
-            world: self.world.with_bodies(bodies)?,
-            target: self.target.map(|_| 0),
-            ik: Vec::new(),
-            places: Vec::new(),
-            tasks: Vec::new(),
-            physics: std::collections::BTreeMap::new(),
-            export: None,
-            seen: None,
-            ..self.clone()
-        })
     }
 }
