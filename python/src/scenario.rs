@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use cranny_collision::{Margins, World};
 use cranny_scenario::{
-    Geometry, GivenGrasps, OpenOptions, Recipe, Scenario, WorldConversion, built_in, catalogue,
-    write_moveit_scene, write_whole_folder,
+    Geometry, GivenGrasps, OpenOptions, Recipe, Scenario, TargetPhysics, WorldConversion, built_in,
+    catalogue, write_moveit_scene, write_whole_folder,
 };
 use cranny_task::{Criterion, Goal, Problem};
 use cranny_view::StandardView;
