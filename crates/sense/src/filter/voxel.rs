@@ -60,8 +60,8 @@ fn key(point: &[f32; 3], per_m: f64) -> u64 {
     key
 }
 
-/// Returns the first place of a key in a table of 2^`bits` places. Mixes all bits (Steele, Lea & Flood 2014, "Fast splittable
-/// pseudorandom number generators", fig. 16, `mix64variant13`): one product would put the keys of a plane into few runs.
+/// Returns the first place of a key in a table of 2^`bits` places. Mixes all bits by `mix64variant13` (Steele, Lea & Flood
+/// 2014, whole, of which only this function is used): one product would put the keys of a plane into few runs.
 fn place(key: u64, bits: u32) -> usize {
     let mixed = (key ^ (key >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
