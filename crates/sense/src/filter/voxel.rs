@@ -3,9 +3,6 @@ use crate::{PointCloud, SenseError};
 /// Number of voxels along each axis, on each side of the origin, that a key can hold: 21 bits an axis.
 const MOST_VOXELS: f64 = (1 << 20) as f64;
 
-/// Key of no voxel.
-const NO_KEY: u64 = u64::MAX;
-
 impl PointCloud {
     /// Returns the first point of each voxel, in the order of the cloud. Voxels are cubes of this side (m) along the axes of the
     /// frame, one with a corner at the origin.
@@ -23,20 +20,27 @@ impl PointCloud {
         if f64::from(farthest) * per_m >= MOST_VOXELS - 1.0 {
             return Err(fault("at least a millionth of the farthest coordinate"));
         }
-        // A table of keys, at most half full.
+        // A table, at most half full, of the numbers of kept points from 1, whose keys are in a list.
         let bits = (2 * self.points.len()).next_power_of_two().trailing_zeros().max(4);
-        let mut keys = vec![NO_KEY; 1 << bits];
-        let mask = keys.len() - 1;
-        let mut points = Vec::new();
+        let mut numbers = vec![0_u32; 1 << bits];
+        let mask = numbers.len() - 1;
+        let mut keys: Vec<u64> = Vec::with_capacity(self.points.len());
+        let mut points = Vec::with_capacity(self.points.len());
         for point in &self.points {
             let key = key(point, per_m);
             let mut place = place(key, bits);
-            while keys[place] != NO_KEY && keys[place] != key {
-                place = (place + 1) & mask;
-            }
-            if keys[place] == NO_KEY {
-                keys[place] = key;
-                points.push(*point);
+            loop {
+                match numbers[place] as usize {
+                    0 => {
+                        keys.push(key);
+                        points.push(*point);
+                        numbers[place] =
+                            u32::try_from(keys.len()).map_err(|_| fault("larger for that many points"))?;
+                        break;
+                    }
+                    number if keys[number - 1] == key => break,
+                    _ => place = (place + 1) & mask,
+                }
             }
         }
         Ok(Self { points, viewpoint: self.viewpoint })
@@ -56,11 +60,12 @@ fn key(point: &[f32; 3], per_m: f64) -> u64 {
     key
 }
 
-/// Returns the first place of a key in a table of 2^`bits` places (Knuth 1998, "The Art of Computer Programming" 3, §6.4,
-/// multiplicative hashing).
+/// Returns the first place of a key in a table of 2^`bits` places. Mixes all bits by `mix64variant13` (Steele, Lea & Flood
+/// 2014, whole, of which only this function is used): one product would put the keys of a plane into few runs.
 fn place(key: u64, bits: u32) -> usize {
-    let hash = key.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> (64 - bits);
-    usize::try_from(hash).unwrap_or(0)
+    let mixed = (key ^ (key >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    usize::try_from(mixed >> (64 - bits)).unwrap_or(0)
 }
 
 #[cfg(test)]
