@@ -26,8 +26,9 @@ use crate::{Answer, output_file, progress, text};
   cranny sense 021 --cameras cameras.yaml -o views
   cranny sense 021 --cameras cameras.yaml --noise-seed 7 -o views
   cranny sense 021 --default-cameras 1 --format npy --clouds -o views
-  cranny sense 021 --default-cameras 2 --noise-seed 1 --scenario -o seen && cranny plan seen -o plan.json
-  cranny verify 021 plan.json
+  cranny sense 031 --default-cameras 8 --noise-seed 1 --scenario -o seen
+  cranny plan seen -o plan.json
+  cranny verify 031 plan.json
 
 With --scenario the folder is a scenario of what a robot knows: itself, the target, its grasps, the floor, and the views.
 All space that no camera has seen to be free is an obstacle. The last line checks such a plan against the true scene.
