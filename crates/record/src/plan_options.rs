@@ -223,7 +223,8 @@ impl PlanOptions {
         // A pick as the only stage ends at the grasp.
         let carries = picks && stages.len() > 1;
         let is_approach = has(|stage| matches!(stage, Stage::Pick(pick) if pick.approach_m > 0.0));
-        if !carries && self.hold.to_bits() != DEFAULT_HOLD.to_bits() {
+        // A hold of 0 demands nothing.
+        if !carries && self.hold > 0.0 && self.hold.to_bits() != DEFAULT_HOLD.to_bits() {
             let problem = "nothing is carried in this task".to_owned();
             return Err(RecordError::PlanOptions { field: "hold", problem });
         }

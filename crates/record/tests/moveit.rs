@@ -267,7 +267,7 @@ fn faults_of_a_scene_name_file_and_line() {
         (
             "world:\n",
             "world:\n  octomap: {octomap: {data: '#'}}\n",
-            "scene.yaml:14: an octomap is not supported",
+            "scene.yaml:14: the octomap cannot be read: its data is a list of bytes",
         ),
         ("world:\n", "link_padding: [{link_name: base, padding: 0.01}]\nworld:\n", "scene.yaml:13: padding"),
         (
