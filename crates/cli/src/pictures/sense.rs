@@ -37,8 +37,9 @@ A file of cameras:
   cameras:
     - {name: left, width: 320, height: 240, field_of_view_deg: 70,
        position_m: [0.2, 0.8, 1.1], look_at_m: [1.0, 0.0, 0.4]}
-    - {name: hand, width: 320, height: 240, focal_px: 228, frame: link panda_hand,
-       position_m: [0.05, 0, 0.04], rotation_rpy_deg: [0, 0, 90]}
+    - {name: hand, width: 320, height: 240, focal_px: 228,
+       frame: link panda_hand, position_m: [0.05, 0, 0.04],
+       rotation_rpy_deg: [0, 0, 90]}
 
 Poses are in the frame of the robot's root link, or of a link. The optical frame of a camera has z forward, x to
 the right of the image and y down.")]
