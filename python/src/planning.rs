@@ -202,6 +202,9 @@ pub fn plan(
     if let Some(degrees) = upright_deg.filter(|degrees| !(*degrees > 0.0 && *degrees <= 180.0)) {
         return Err(bad_value(format!("upright_deg is {degrees}, but it must be above 0 and at most 180")));
     }
+    if upright_deg.is_some() && carry.is_none() && place.is_none() && task.is_none() {
+        return Err(bad_value("upright: nothing is carried in this task"));
+    }
     let tilt_rad = upright_deg.map(f64::to_radians);
     let margins = Margins { margin_m, grasp_margin_m, tilt_rad, ..Margins::default() };
     let mut asked = Task::of(scenario, forgiving(scenario, margins, robust)?)?;

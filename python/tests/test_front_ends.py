@@ -172,7 +172,8 @@ def test_every_flag_works_with_every_task_or_is_refused_by_one_message(
         message = ended.stderr.splitlines()[0].removeprefix("error: ").removeprefix("--")
         with pytest.raises(ValueError) as refused:
             cranny.plan(scenario, **task, **options)
-        assert str(refused.value) == message
+        # A keyword has an underscore where a flag has a hyphen.
+        assert str(refused.value).replace("_", "-") == message.replace("_", "-")
         return
     plan = cranny.plan(scenario, **task, **options)
     plan.save(ours)
