@@ -90,18 +90,21 @@ impl Scenario {
             Unseen::Free => "space that none of them shows counts as free, so nothing is proven of it",
         };
         let millimetres = |length_m: f64| format!("{:.0} mm", (length_m * 1e3).ceil());
+        // A bound is never stated less than it is.
+        let bound = |value: f64, unit: f64, digits: usize| cranny_file::at_most(value, unit, digits);
         let greatest = |of: fn(&SensorModel) -> f64| sensors.iter().map(of).fold(0.0, f64::max);
         let [detail, beside] = map.detail_m().map(millimetres);
         Some(format!(
-            "the obstacles are what {} show; {unseen}. Their errors are bounded by {:.1} mm + {:.2} % of the depth, {:.1} pixels, and \
-             {:.1} mm and {:.2}° of the camera's pose; things thinner than {detail} may be missed, beside the target {beside}. Within {} \
-             of the robot at its start, and {} of the floor, unseen space counts as free",
+            "the obstacles are what {} show; {unseen}. Their errors are bounded by {} mm + {} % of the depth, {} pixels, and {} mm \
+             and {}° of the camera's pose; things thinner than {detail} may be missed, beside the target {beside}. Within {} \
+             of the robot at its start, and {} of the floor, unseen space counts as free, and so \
+             does all that the robot touches there",
             cranny_file::counted(sensors.len(), "view"),
-            1e3 * greatest(|sensor| sensor.depth_error_m),
-            1e2 * greatest(|sensor| sensor.depth_error_share),
-            greatest(|sensor| sensor.lateral_error_px),
-            1e3 * greatest(|sensor| sensor.position_error_m),
-            greatest(|sensor| sensor.turn_error_rad).to_degrees(),
+            bound(greatest(|sensor| sensor.depth_error_m), 1e3, 1),
+            bound(greatest(|sensor| sensor.depth_error_share), 1e2, 2),
+            bound(greatest(|sensor| sensor.lateral_error_px), 1.0, 1),
+            bound(greatest(|sensor| sensor.position_error_m), 1e3, 1),
+            bound(greatest(|sensor| sensor.turn_error_rad), 1_f64.to_degrees(), 2),
             millimetres(options.robot_reach_m),
             millimetres(options.floor_reach_m),
         ))

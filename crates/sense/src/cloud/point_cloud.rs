@@ -1,6 +1,6 @@
 use cranny_spatial::{Point, Pose};
 
-/// Points in one frame, which whoever holds the cloud states.
+/// Points in one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointCloud {
     /// Points, in metres; all finite.
