@@ -11,7 +11,7 @@ use crate::lane::single_frame::{Bars, SingleFrame, Verdict};
 /// Coarse hull of a convex solid, in the frame of a link or the planning frame; its corners are compared in lanes.
 #[derive(Clone, Debug)]
 pub(crate) struct LaneHull {
-    /// Corners, coordinate by coordinate; the last chunk is filled with the first corner.
+    /// Corners, coordinate by coordinate; the last chunk is filled with the first corner. Empty for a box of a union.
     chunks: Vec<[LaneArray; 3]>,
     /// The solid, if it is a box: its farthest corner needs no search.
     pub cuboid: Option<LaneSolid>,
@@ -60,6 +60,11 @@ impl LaneHull {
             radius: narrow(*radius_m),
             bulge: narrow(*bulge_m),
         }
+    }
+
+    /// Creates the hull of a box along the axes of its frame, by its centre and half extents (m), rounded by a radius (m).
+    pub fn of_box(narrow_box: [Vec3; 2], radius: f32) -> Self {
+        Self { chunks: Vec::new(), cuboid: Some(LaneSolid::straight_box(narrow_box)), radius, bulge: 0.0 }
     }
 
     /// Returns the maximum distance between the hull and the solid, in metres.

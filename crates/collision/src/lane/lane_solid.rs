@@ -9,6 +9,7 @@ use fearless_simd::{Simd, dispatch, f32x16};
 
 use crate::lane::lane_bits::bits;
 use crate::lane::lane_vector::{RELATIVE_ROUNDING, dot, is_shorter, lanes, minus, shorter};
+use crate::lane::single_frame::SingleFrame;
 
 /// A solid with a short formula for its distance to a point, in the planning frame or a link's.
 #[derive(Clone, Debug)]
@@ -94,6 +95,18 @@ impl LaneSolid {
         let deepest = gaps[0].max(gaps[1]).max(gaps[2]);
         let [x, y, z] = gaps.map(|gap| gap.max(0.0));
         Some(if deepest > 0.0 { (x * x + y * y + z * z).sqrt() } else { deepest })
+    }
+
+    /// Returns the boxes of a union, with the frame of their coordinates; `None` for other solids.
+    pub fn as_union(&self) -> Option<(&BoxUnion, SingleFrame)> {
+        let union = self.union.as_ref()?;
+        Some((union, SingleFrame { axes: self.rows, origin: self.origin }))
+    }
+
+    /// Creates a box along the axes of its frame by its centre and half extents (m).
+    pub fn straight_box([center, half_extents]: [[f32; 3]; 2]) -> Self {
+        let kind = LaneKind::AlignedCuboid { half_extents };
+        Self { rows: STRAIGHT_ROWS, origin: center, kind, union: None }
     }
 
     /// Returns the corner of a box farthest along a direction; `None` for other solids.

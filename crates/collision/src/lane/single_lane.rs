@@ -1,5 +1,6 @@
 use std::cmp::Ordering;
 
+use cranny_shape::BoxUnion;
 use fearless_simd::Simd;
 
 use crate::lane::ball_pack::BallPack;
@@ -7,15 +8,22 @@ use crate::lane::lane_body::{LaneBody, LaneNode};
 use crate::lane::lane_hull::LaneHull;
 use crate::lane::lane_part::LanePart;
 use crate::lane::lane_solid::LaneSolid;
-use crate::lane::lane_vector::{dot, is_shorter, minus};
+use crate::lane::lane_vector::{dot, is_shorter, minus, narrow};
 use crate::lane::single_frame::{Bars, SingleFrame, Verdict};
+
+/// Maximum number of boxes of a union that are compared with the hulls of a link; more are left to the exact check.
+const MOST_BOXES: usize = 48;
+
+/// Maximum number of nodes of a link's tree of balls whose visit is due.
+const MOST_OPEN: usize = 64;
 
 impl LaneBody {
     /// Checks the link against a part of the world that is near the ball around it.
     ///
     /// 1. Two boxes along the same axes are compared directly.
     /// 2. The balls of a link that consists of balls are checked, otherwise its inner balls; then the box around it.
-    /// 3. Its hulls are checked against the hull of the part, or its lowest corner against a half-space.
+    /// 3. Its hulls are checked against the hull of the part, or its lowest corner against a half-space, or the boxes of a union near
+    ///    its outer balls.
     /// 4. Without hulls, the outer balls are checked: if no leaf is near, the link is free; then the inner balls.
     #[inline(never)]
     pub fn against_part<S: Simd>(
@@ -67,6 +75,13 @@ impl LaneBody {
                     .map(|hull| hull.against(simd, frame, other, &SingleFrame::ROOT, apart, bars)),
             );
         }
+        if !self.hulls.is_empty()
+            && let Some((union, union_frame)) = part.solid.as_union()
+        {
+            let verdict = self.against_union(simd, frame, union, &union_frame, bars);
+            let is_deep = verdict == Verdict::Doubt && closer(small, bars.contact_m);
+            return if is_deep { Verdict::Contact } else { verdict };
+        }
         // 4.
         if !self.any_leaf_closer(0, frame, &part.solid, bars.free_m) {
             return Verdict::Free;
@@ -110,6 +125,70 @@ impl LaneBody {
             true if meet(bars.contact_m) => Verdict::Contact,
             true => Verdict::Doubt,
         }
+    }
+
+    /// Checks the hulls of the link against those boxes of a union that are near its outer balls, in doubt if there are too many.
+    #[inline(never)]
+    fn against_union<S: Simd>(
+        &self,
+        simd: S,
+        frame: &SingleFrame,
+        union: &BoxUnion,
+        union_frame: &SingleFrame,
+        bars: Bars,
+    ) -> Verdict {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let (mut near, mut count) = ([(0, 0); MOST_BOXES], 0);
+                let (mut open, mut open_count) = ([0; MOST_OPEN], 1);
+                while open_count > 0 {
+                    open_count -= 1;
+                    let node = open[open_count];
+                    let LaneNode { ball, children } = self.outer[node as usize];
+                    let center = union_frame.turned_back(minus(frame.point(ball.center), union_frame.origin));
+                    let reach_m = bars.free_m + ball.radius;
+                    if children != [0; 2] {
+                        if union.is_closer(simd, center, reach_m) {
+                            if open_count + 2 > MOST_OPEN {
+                                return Verdict::Doubt;
+                            }
+                            open[open_count..open_count + 2].copy_from_slice(&children);
+                            open_count += 2;
+                        }
+                        continue;
+                    }
+                    let is_all = union.all_closer(simd, center, reach_m, |index| {
+                        if near[..count].iter().any(|(known, _)| *known == index) {
+                            return true;
+                        }
+                        if count == MOST_BOXES {
+                            return false;
+                        }
+                        near[count] = (index, node);
+                        count += 1;
+                        true
+                    });
+                    if !is_all {
+                        return Verdict::Doubt;
+                    }
+                }
+                let radius = narrow(union.radius_m());
+                let verdict = |(index, node): &(u32, u32)| {
+                    let narrow_box = union.narrow_box(*index);
+                    let other = LaneHull::of_box(narrow_box, radius);
+                    let [center, _] = narrow_box;
+                    let ball = self.outer[*node as usize].ball;
+                    let apart = minus(frame.point(ball.center), union_frame.point(center));
+                    Verdict::of_all(
+                        self.hulls
+                            .iter()
+                            .map(|hull| hull.against(simd, frame, &other, union_frame, apart, bars)),
+                    )
+                };
+                Verdict::of_all(near[..count].iter().map(verdict))
+            },
+        )
     }
 
     /// Returns true if the boxes around the link and a part, given by its centre and half extents, are closer than `free_m` (m)

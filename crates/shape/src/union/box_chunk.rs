@@ -46,8 +46,13 @@ impl BoxChunk {
 
     /// Returns the box in a lane.
     pub fn get(&self, lane: usize) -> Aabb {
-        let wide = |rows: &[LaneArray; 3]| rows.each_ref().map(|row| f64::from(row[lane]));
-        Aabb { center: wide(&self.center).into(), half_extents: wide(&self.half_extents).into() }
+        let [center, half_extents] = self.narrow(lane).map(|row| row.map(f64::from));
+        Aabb { center: center.into(), half_extents: half_extents.into() }
+    }
+
+    /// Returns the box in a lane, in single precision.
+    pub fn narrow(&self, lane: usize) -> NarrowBox {
+        [&self.center, &self.half_extents].map(|rows| rows.each_ref().map(|row| row[lane]))
     }
 
     /// Returns the smallest box in single precision around the first `count` boxes.

@@ -115,6 +115,47 @@ impl BoxUnion {
     /// off by no more than the comparison of a single box would be.
     #[inline(always)]
     pub fn is_closer<S: Simd>(&self, simd: S, point: [f32; 3], reach_m: f32) -> bool {
+        self.any_closer(simd, point, reach_m, |_, _| true)
+    }
+
+    /// Calls `visit` with the indices of boxes closer to a point, as [`Self::is_closer`], until it returns false. Returns false then.
+    #[inline(always)]
+    pub fn all_closer<S: Simd>(
+        &self,
+        simd: S,
+        point: [f32; 3],
+        reach_m: f32,
+        mut visit: impl FnMut(u32) -> bool,
+    ) -> bool {
+        !self.any_closer(simd, point, reach_m, |chunk, mut near| {
+            while near != 0 {
+                #[allow(clippy::cast_possible_truncation, reason = "a tree has at most 16⁸ boxes")]
+                let index = (chunk * LANES) as u32 + near.trailing_zeros();
+                near &= near - 1;
+                if !visit(index) {
+                    return true;
+                }
+            }
+            false
+        })
+    }
+
+    /// Returns centre and half extents of a box without its rounding, in single precision (m).
+    pub fn narrow_box(&self, index: u32) -> [[f32; 3]; 2] {
+        let index = index as usize;
+        self.levels[0][index / LANES].narrow(index % LANES)
+    }
+
+    /// Calls `visit` with each chunk of boxes of which some are closer to a point, and their bits, until it returns true. Returns true
+    /// then.
+    #[inline(always)]
+    fn any_closer<S: Simd>(
+        &self,
+        simd: S,
+        point: [f32; 3],
+        reach_m: f32,
+        mut visit: impl FnMut(usize, u32) -> bool,
+    ) -> bool {
         #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
         let reach = (reach_m + self.radius_m as f32).max(0.0);
         if self.free.at(point) >= reach * reach {
@@ -133,7 +174,10 @@ impl BoxUnion {
                 }
                 level += 1;
             } else if level == 0 {
-                return true;
+                if visit(chunks[0], open[0]) {
+                    return true;
+                }
+                open[0] = 0;
             } else {
                 let child = chunks[level] * LANES + open[level].trailing_zeros() as usize;
                 open[level] &= open[level] - 1;
@@ -347,6 +391,20 @@ mod tests {
                 };
                 prop_assert!(closer(least + 1e-5));
                 prop_assert!(least < 1e-3 || !closer(least - 1e-5), "{least}");
+                let mut found = vec![];
+                let reach_m = 0.05;
+                #[allow(clippy::cast_possible_truncation, reason = "single precision is tested")]
+                let narrow = [0, 1, 2].map(|axis| point[axis] as f32);
+                dispatch!(simd_level(), simd => union.all_closer(simd, narrow, reach_m as f32, |index| {
+                    found.push(index);
+                    true
+                }));
+                for (index, aabb) in (0_u32..).zip(union.boxes()) {
+                    let gap_m = gap_m(aabb);
+                    if (gap_m - reach_m).abs() > 1e-5 {
+                        prop_assert_eq!(found.contains(&index), gap_m < reach_m);
+                    }
+                }
             }
         }
     }
