@@ -1,6 +1,7 @@
 use cranny_spatial::{Pose, Rotation, Stream, Vector, nalgebra};
 
 use crate::error::within;
+use crate::rendering::interval::Side;
 use crate::rendering::render::{Meeting, Rays};
 use crate::{Camera, DepthImage, SenseError, SensedScene, SensorModel, View};
 
@@ -144,7 +145,7 @@ impl SensedScene {
             let shift = |random: &mut Stream| random.uniform_between(-1.0, 1.0) * most_shift_px;
             let shifts_px: Vec<[f64; 2]> =
                 (0..camera.pixel_count()).map(|_| [shift(&mut random), shift(&mut random)]).collect();
-            self.meetings(&Rays { camera, shifts_px: &shifts_px, most_shift_px })
+            self.meetings(&Rays { camera, shifts_px: &shifts_px, most_shift_px }, Side::Front, |_| true)
         };
         let (first, second) = (met(), met());
         let measured = |(first, second): (&Meeting, &Meeting)| {

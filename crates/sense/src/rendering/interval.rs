@@ -22,26 +22,40 @@ impl Interval {
     }
 }
 
-/// Returns the parameter t ≥ 0 at which a ray, in the frame of a solid of this outline, first meets it; 0 from inside. `None` for
-/// a miss, and for a hull or a mesh.
-pub(crate) fn first_meeting(outline: &Outline, origin: &Point, direction: &Vector) -> Option<f64> {
+/// Side of a solid on which a ray crosses its surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// The ray enters it.
+    Front,
+    /// The ray leaves it.
+    Back,
+}
+
+/// Returns the parameter t ≥ 0 at which a ray, in the frame of a solid of this outline, first meets it, 0 from inside, or leaves it,
+/// [`f64::MAX`] if it never does. `None` for a miss, and for a hull or a mesh.
+pub(crate) fn meeting(outline: &Outline, origin: &Point, direction: &Vector, side: Side) -> Option<f64> {
+    let of = |interval: Interval| match side {
+        Side::Front => interval.first(),
+        Side::Back => interval.first().map(|_| interval.to.min(f64::MAX)),
+    };
     match *outline {
         Outline::Cuboid { half_extents } => {
             let slab = |axis: usize| slab(origin[axis], direction[axis], half_extents[axis]);
-            slab(0).and(slab(1)).and(slab(2)).first()
+            of(slab(0).and(slab(1)).and(slab(2)))
         }
         Outline::Segment { half_length_m, radius_m } => {
-            let end = |z: f64| ball(&(origin - Vector::z() * z), direction, radius_m).first();
+            let end = |z: f64| of(ball(&(origin - Vector::z() * z), direction, radius_m));
             if half_length_m <= 0.0 {
                 return end(0.0);
             }
             let middle = tube(origin, direction, radius_m).and(slab(origin.z, direction.z, half_length_m));
-            [middle.first(), end(half_length_m), end(-half_length_m)].into_iter().flatten().reduce(f64::min)
+            let all = [of(middle), end(half_length_m), end(-half_length_m)].into_iter().flatten();
+            all.reduce(|a, b| if side == Side::Front { a.min(b) } else { a.max(b) })
         }
         Outline::Cylinder { half_length_m, radius_m } => {
-            tube(origin, direction, radius_m).and(slab(origin.z, direction.z, half_length_m)).first()
+            of(tube(origin, direction, radius_m).and(slab(origin.z, direction.z, half_length_m)))
         }
-        Outline::HalfSpace => below(origin.z, direction.z).first(),
+        Outline::HalfSpace => of(below(origin.z, direction.z)),
         Outline::Union | Outline::Other => None,
     }
 }
@@ -123,7 +137,8 @@ mod tests {
                 let at = Pose::from_parts((origin.coords + direction * t).into(), cranny_spatial::Rotation::identity());
                 separation_in(&solid, &Pose::identity(), &probe, &at, Range::to(10.0)).upper_m
             };
-            let met = first_meeting(&solid.outline(), &origin, &direction);
+            let [met, left] =
+                [Side::Front, Side::Back].map(|side| meeting(&solid.outline(), &origin, &direction, side));
             let end = met.unwrap_or(2.0);
             for step in 0..40 {
                 let t = end * f64::from(step) / 40.0;
@@ -134,15 +149,20 @@ mod tests {
             if let Some(t) = met {
                 prop_assert!(distance_m(t) <= 2e-6, "not on the surface at {t}: {}", distance_m(t));
             }
+            prop_assert_eq!(met.is_some(), left.is_some());
+            if let Some((met, left)) = met.zip(left) {
+                prop_assert!(distance_m(0.5 * (met + left)) <= 2e-6 && distance_m(left) <= 2e-6);
+                prop_assert!(distance_m(left + 1e-5 / direction.norm()) > 0.0, "inside after {left}");
+            }
         }
     }
 
     #[test]
     fn a_half_space_begins_at_its_plane() {
         let down = Vector::new(0.3, 0.0, -0.5);
-        let met = first_meeting(&Outline::HalfSpace, &Point::new(0.0, 0.0, 1.0), &down);
+        let met = meeting(&Outline::HalfSpace, &Point::new(0.0, 0.0, 1.0), &down, Side::Front);
         assert!((met.unwrap() - 2.0).abs() < 1e-15);
-        assert!(first_meeting(&Outline::HalfSpace, &Point::new(0.0, 0.0, 1.0), &-down).is_none());
-        assert_eq!(first_meeting(&Outline::HalfSpace, &Point::new(0.0, 0.0, -1.0), &down), Some(0.0));
+        assert!(meeting(&Outline::HalfSpace, &Point::new(0.0, 0.0, 1.0), &-down, Side::Front).is_none());
+        assert_eq!(meeting(&Outline::HalfSpace, &Point::new(0.0, 0.0, -1.0), &down, Side::Front), Some(0.0));
     }
 }

@@ -1,6 +1,7 @@
 use cranny_spatial::Vector;
 use rayon::prelude::*;
 
+use crate::rendering::interval::Side;
 use crate::rendering::surface::Cast;
 use crate::{Camera, DepthImage, SensedScene};
 
@@ -35,7 +36,12 @@ pub(crate) struct Rays<'a> {
     pub most_shift_px: f64,
 }
 
-impl Rays<'_> {
+impl<'a> Rays<'a> {
+    /// Rays through the centres of all pixels.
+    pub fn centres(camera: &'a Camera) -> Self {
+        Self { camera, shifts_px: &[], most_shift_px: 0.0 }
+    }
+
     fn ray(&self, u: usize, v: usize) -> Vector {
         let [du, dv] = self.shifts_px.get(v * self.camera.width_px + u).copied().unwrap_or_default();
         self.camera.ray(u as f64 + du, v as f64 + dv)
@@ -49,7 +55,7 @@ impl SensedScene {
     /// half-spaces by their equations, hulls and meshes by their triangles. The nearest surface counts, at any distance; of
     /// equally near ones, the first in the order of the segments.
     pub fn render(&self, camera: &Camera) -> Render {
-        let met = self.meetings(&Rays { camera, shifts_px: &[], most_shift_px: 0.0 });
+        let met = self.meetings(&Rays::centres(camera), Side::Front, |_| true);
         #[allow(clippy::cast_possible_truncation, reason = "depths are stored as f32")]
         let depths_m = met.iter().map(|met| met.depth_m as f32).collect();
         Render {
@@ -58,18 +64,20 @@ impl SensedScene {
         }
     }
 
-    /// Returns the nearest meeting of each ray with the scene, row by row.
-    pub(crate) fn meetings(&self, rays: &Rays) -> Vec<Meeting> {
+    /// Returns the nearest meeting of each ray with this side of the segments in question, row by row. For the back, the depth is that at
+    /// which the ray first leaves a solid, [`f64::MAX`] for a half-space.
+    pub(crate) fn meetings(&self, rays: &Rays, side: Side, is_meant: impl Fn(u16) -> bool) -> Vec<Meeting> {
         let camera = rays.camera;
         let casts: Vec<(u16, Cast)> = self
             .surfaces()
+            .filter(|(segment, _)| is_meant(*segment))
             .filter_map(|(segment, surface)| Some((segment, surface.cast(camera, rays.most_shift_px)?)))
             .collect();
         let mut met = vec![NOTHING; camera.pixel_count()];
         met.par_chunks_mut(ROWS * camera.width_px).enumerate().for_each(|(band, met)| {
             let rows = band * ROWS..((band + 1) * ROWS).min(camera.height_px);
             for (segment, cast) in &casts {
-                cast.visit(&rows, &|u, v| rays.ray(u, v), |u, v, depth_m| {
+                cast.visit(&rows, &|u, v| rays.ray(u, v), side, |u, v, depth_m| {
                     let place = &mut met[(v - rows.start) * camera.width_px + u];
                     if depth_m < place.depth_m {
                         *place = Meeting { depth_m, segment: *segment };

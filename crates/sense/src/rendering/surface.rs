@@ -4,7 +4,7 @@ use cranny_shape::{Outline, Solid};
 use cranny_spatial::{Point, Pose, Vector};
 
 use crate::Camera;
-use crate::rendering::interval::first_meeting;
+use crate::rendering::interval::{Side, meeting};
 use crate::rendering::pixel_range::PixelRange;
 
 /// Solid with its pose, in a form that rays are cast at.
@@ -55,12 +55,12 @@ impl Surface {
             PixelRange::whole(camera)
         } else {
             let aabb = self.solid.aabb();
-            let corner = |index: u8| {
-                let sign = |bit: u8| if index & bit == 0 { -1.0 } else { 1.0 };
+            let corner = |index: usize| {
+                let sign = |bit: usize| if index & bit == 0 { -1.0 } else { 1.0 };
                 let offset = Vector::new(sign(1), sign(2), sign(4)).component_mul(&aabb.half_extents);
                 camera_from_solid * (aabb.center + offset)
             };
-            PixelRange::of(camera, (0..8).map(corner), shift_px)?
+            PixelRange::of(camera, &std::array::from_fn::<Point, 8, _>(corner), shift_px)?
         };
         if outline == Outline::Other {
             let cast = |corners: &[Point; 3]| {
@@ -75,20 +75,21 @@ impl Surface {
 
 impl CastTriangle {
     fn new(corners: [Point; 3], camera: &Camera, shift_px: f64) -> Option<Self> {
-        let range = PixelRange::of(camera, corners.iter().copied(), shift_px)?;
+        let range = PixelRange::of(camera, &corners, shift_px)?;
         let [a, b, c] = corners.map(|corner| corner.coords);
         let normal = (b - a).cross(&(c - a));
         let height = normal.dot(&a);
         Some(Self { edges: [a.cross(&b), b.cross(&c), c.cross(&a)], normal, height, range })
     }
 
-    /// Returns the depth (m) at which a ray with z = 1 from the camera meets the triangle. Exact negation of `a × b` is `b × a`,
+    /// Returns the depth (m) at which a ray with z = 1 from the camera meets the triangle, from its back alone for [`Side::Back`]. Exact negation of `a × b` is `b × a`,
     /// so a ray between two triangles with a common edge meets one of them at least.
-    pub fn depth_m(&self, ray: &Vector) -> Option<f64> {
+    pub fn depth_m(&self, ray: &Vector, side: Side) -> Option<f64> {
         let sides = self.edges.map(|edge| edge.dot(ray));
         let is_met = sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0);
         let speed = self.normal.dot(ray);
-        if !is_met || speed == 0.0 {
+        let is_side = side == Side::Front || speed > 0.0;
+        if !is_met || !is_side || speed == 0.0 {
             return None;
         }
         let depth_m = self.height / speed;
@@ -97,19 +98,20 @@ impl CastTriangle {
 }
 
 impl Cast {
-    /// Calls `visit` with each pixel in these rows whose ray may meet the surface, and the depth (m) where it does. `ray` gives
+    /// Calls `visit` with each pixel in these rows whose ray may meet the surface, and the depth (m) where it does, or where it leaves it. `ray` gives
     /// the direction of the ray of a pixel (u, v) in the camera frame, with z = 1.
     pub fn visit(
         &self,
         rows: &std::ops::Range<usize>,
         ray: &impl Fn(usize, usize) -> Vector,
+        side: Side,
         mut visit: impl FnMut(usize, usize, f64),
     ) {
         match self {
             Self::Outline { outline, origin, solid_from_camera, range } => {
                 let turn = solid_from_camera.rotation.to_rotation_matrix();
                 for (u, v) in pixels(range, rows) {
-                    if let Some(depth_m) = first_meeting(outline, origin, &(turn * ray(u, v))) {
+                    if let Some(depth_m) = meeting(outline, origin, &(turn * ray(u, v)), side) {
                         visit(u, v, depth_m);
                     }
                 }
@@ -117,7 +119,7 @@ impl Cast {
             Self::Triangles(triangles) => {
                 for triangle in triangles {
                     for (u, v) in pixels(&triangle.range, rows) {
-                        if let Some(depth_m) = triangle.depth_m(&ray(u, v)) {
+                        if let Some(depth_m) = triangle.depth_m(&ray(u, v), side) {
                             visit(u, v, depth_m);
                         }
                     }
