@@ -62,26 +62,33 @@ const LEAST_ROOM_M: f64 = 0.1;
 const POINTS: usize = 900;
 const RADIUS_M: f64 = 0.35;
 
-/// Depth from which a point is seen sharply enough for a hand beside it, in metres.
+/// Depth up to which a point near the target is seen sharply enough for a hand beside it, in metres.
 const SHARP_M: f64 = 0.4;
 
-/// Weight of the visible share of the target for the first camera, relative to that of all points; for further cameras it is
+/// Depth up to which a point elsewhere is seen sharply enough for a link to pass, in metres.
+const CLEAR_M: f64 = 1.6;
+
+/// Space beside the links that they need, in metres.
+const BESIDE_M: f64 = 0.15;
+
+/// Weight of the sharply visible share of the target for the first camera, relative to that of all points; for further cameras it is
 /// divided by their number.
 const TARGET_WEIGHT: f64 = 1.0;
 
 /// Candidate with the points that it sees.
 struct Candidate {
     camera: Camera,
-    /// Sharpness with which it sees each point: 0 if it does not, 1 from [`SHARP_M`] or nearer, and less from afar.
+    /// Sharpness with which it sees each point: 0 if it does not, 1 from near enough, and less from afar.
     sees: Vec<f64>,
-    /// Share of the target that other bodies do not hide, 0 to 1.
+    /// Share of the target that other bodies do not hide, 0 to 1, times the sharpness there.
     target_share: f64,
 }
 
 /// Returns cameras around a target that look at it from free positions.
 ///
 /// Candidates stand on rings around the target. The cameras are chosen one after another, each by the share of the target that it
-/// sees, and by how much more sharply than all cameras before it it sees points around the target and between it and the tool.
+/// sees and how sharply, and by how much more sharply than all cameras before it it sees points around the target, between it and the
+/// tool, and beside the links that move towards it.
 ///
 /// # Errors
 /// [`SenseError::NoCameraPosition`] if there are fewer free candidates than cameras; [`SenseError::Camera`] for an invalid size or
@@ -102,12 +109,15 @@ pub fn default_cameras(scene: &SensedScene, request: &DefaultCameras) -> Result<
             continue;
         }
         let camera_from_world = pose.inverse();
-        let sees = points.iter().map(|point| sees(&trial, &seen, &(camera_from_world * point))).collect();
+        let sees =
+            points.iter().map(|(point, near_m)| sees(&trial, &seen, &(camera_from_world * point), *near_m));
+        let sees = sees.collect();
         let close_up = close_up(&trial, &eye, request)?;
         let count = |scene: &SensedScene| {
             scene.render(&close_up).segments.iter().filter(|segment| **segment == request.target).count()
         };
-        let target_share = count(scene) as f64 / count(&target_alone).max(1) as f64;
+        let share = count(scene) as f64 / count(&target_alone).max(1) as f64;
+        let target_share = share * (SHARP_M / (eye - request.aim).norm()).min(1.0);
         let camera = Camera::with_field_of_view(request.size_px, request.field_of_view_rad, pose)?;
         candidates.push(Candidate { camera, sees, target_share });
     }
@@ -155,8 +165,9 @@ fn eyes(request: &DefaultCameras) -> impl Iterator<Item = Point> {
     })
 }
 
-/// Points near the target, between it and the tool, and where links come along if they move towards it.
-fn points_of_interest(request: &DefaultCameras) -> Vec<Point> {
+/// Points near the target, between it and the tool, and where links come along if they move towards it, each with the depth (m) up to
+/// which it is seen sharply enough.
+fn points_of_interest(request: &DefaultCameras) -> Vec<(Point, f64)> {
     let mut random = Stream::new(0, 0);
     let way = request.tool - request.aim;
     let level = request.up * way.dot(&request.up) - way;
@@ -170,18 +181,18 @@ fn points_of_interest(request: &DefaultCameras) -> Vec<Point> {
         .map(|index| {
             let share = random.uniform();
             match index % 3 {
-                0 => request.aim + within(RADIUS_M, &mut random),
+                0 => (request.aim + within(RADIUS_M, &mut random), SHARP_M),
                 1 if !request.links.is_empty() => {
                     let Ball { center, radius_m } = request.links[random.index(request.links.len())];
-                    center + level * share + within(radius_m, &mut random)
+                    (center + level * share + within(radius_m + BESIDE_M, &mut random), CLEAR_M)
                 }
-                _ => request.aim + way * share + within(RADIUS_M, &mut random),
+                _ => (request.aim + way * share + within(RADIUS_M, &mut random), CLEAR_M),
             }
         })
         .collect()
 }
 
-fn sees(camera: &Camera, seen: &crate::Render, point_in_camera: &Point) -> f64 {
+fn sees(camera: &Camera, seen: &crate::Render, point_in_camera: &Point, near_m: f64) -> f64 {
     let Some([u, v]) = camera.project(point_in_camera) else { return 0.0 };
     let (u, v) = (u.round(), v.round());
     let is_inside = u >= 0.0 && v >= 0.0 && u < camera.width_px as f64 && v < camera.height_px as f64;
@@ -191,7 +202,7 @@ fn sees(camera: &Camera, seen: &crate::Render, point_in_camera: &Point) -> f64 {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a pixel of the image")]
     let depth_m = seen.depth.depth_m(u as usize, v as usize);
     let is_seen = depth_m.is_some_and(|depth_m| f64::from(depth_m) > point_in_camera.z);
-    if is_seen { (SHARP_M / point_in_camera.z).min(1.0) } else { 0.0 }
+    if is_seen { (near_m / point_in_camera.z).min(1.0) } else { 0.0 }
 }
 
 /// Camera at the same position whose image the target fills.

@@ -78,7 +78,7 @@ fn wrongly_free(map: &SeenMap, bodies: &[Body], count: usize) -> usize {
 }
 
 fn settings() -> SeenSettings {
-    SeenSettings { region: region(), cell_m: 0.01, fine: Vec::new(), unseen: Unseen::Solid }
+    SeenSettings { region: region(), cell_m: 0.01, fine: Vec::new(), fine_m: 0.005, unseen: Unseen::Solid }
 }
 
 /// Views whose depths are all too great by `factor` times the bound of the sensor: the worst within its model for 1.
@@ -157,6 +157,38 @@ fn known_bodies_are_cut_out_and_nothing_else() {
     moved.reach_m = 0.0;
     let map = SeenMap::new(&views, &[moved], settings()).unwrap();
     assert!(touches(&map, &ball.solids[0]));
+}
+
+#[test]
+fn above_a_known_support_there_is_room_where_a_camera_sees_it() {
+    let bodies = bodies();
+    let scene = SensedScene::of_world(&World::new(bodies.clone()).unwrap()).unwrap();
+    let views = views(&scene, &cameras(4), &SensorModel::default(), &Noise::default());
+    let table = KnownBody {
+        name: "table".to_owned(),
+        solids: vec![(bodies[0].parts[0].world_from_solid, bodies[0].parts[0].solid.clone())],
+        tolerance_m: 0.002,
+        reach_m: 0.002,
+        is_transparent: true,
+        is_alone: false,
+    };
+    let others: Vec<Body> = bodies.iter().filter(|body| body.name != "table").cloned().collect();
+    let finger = |x: f64, y: f64| (Pose::translation(x, y, 0.025), Solid::sphere(0.01).unwrap());
+    let meets = |map: &SeenMap, (pose, solid): (Pose, Solid)| {
+        let gap_m =
+            |(other, obstacle): &(Pose, Solid)| separation(&solid, &pose, obstacle, other, 1.0).lower_m;
+        obstacles(map).iter().any(|obstacle| gap_m(obstacle) <= 0.0)
+    };
+    let without = SeenMap::new(&views, &[], settings()).unwrap();
+    let map = SeenMap::new(&views, std::slice::from_ref(&table), settings()).unwrap();
+    assert!(meets(&without, finger(-0.3, 0.0)) && !meets(&map, finger(-0.3, 0.0)));
+    // Below the post, and in the shadow of the shelf, the map is as before.
+    assert!(meets(&map, finger(-0.3, 0.4)));
+    assert!(map.layer_m()[0] > 0.01);
+    // Surfaces of other bodies farther from the table than the layer in which they cannot be told apart are never free.
+    let high: Vec<Body> =
+        others.into_iter().filter(|body| body.name == "top" || body.name == "board").collect();
+    assert_eq!(wrongly_free(&map, &high, draws()), 0);
 }
 
 #[test]

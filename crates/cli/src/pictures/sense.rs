@@ -29,8 +29,10 @@ use crate::{Answer, output_file, progress, text};
   cranny sense 031 --default-cameras 8 --noise-seed 1 --scenario -o seen
   cranny plan seen -o plan.json
   cranny verify 031 plan.json
+  cranny sense 031 --default-cameras 4 --scenario --known platform -o seen
 
-With --scenario the folder is a scenario of what a robot knows: itself, the target, its grasps, the floor, and the views.
+With --scenario the folder is a scenario of what a robot knows: itself, the target, its grasps, the floor, the obstacles
+named by --known, and the views.
 All space that no camera has seen to be free is an obstacle. The last line checks such a plan against the true scene.
 
 A file of cameras:
@@ -77,6 +79,9 @@ pub struct SenseArguments {
     /// Treatment of unseen space in that scenario [default: solid]
     #[arg(long, value_enum, requires = "scenario")]
     pub unseen: Option<UnseenArgument>,
+    /// Obstacles whose places are known, comma-separated: they belong to that scenario as they are
+    #[arg(long, value_name = "NAMES", requires = "scenario", value_delimiter = ',')]
+    pub known: Vec<String>,
     /// Robot to use instead of the scenario's
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
@@ -159,7 +164,7 @@ pub fn run(arguments: &SenseArguments, output: Output) -> Result<Answer, Failure
             for file in &files {
                 write_whole_file(&folder.join(&file.name), &file.content)?;
             }
-            options.write_scenario(&scenario, folder)
+            options.write_scenario(&scenario, &arguments.known, folder)
         })?;
         files.iter().map(|file| arguments.output.join(&file.name)).collect()
     } else {

@@ -1,8 +1,8 @@
 //! Plans in the space that cameras have seen, and checks each plan against the true scene:
-//! `cargo run --release -p cranny-measure --bin seen_space -- CAMERAS SEEDS solid|free SCENARIO…`.
+//! `cargo run --release -p cranny-measure --bin seen_space -- CAMERAS SEEDS solid|free none|support|all SCENARIO…`.
 //!
 //! For each scenario, CAMERAS default cameras (320 × 240 pixels, errors of up to 1 mm + 0.5 % and half a pixel) see it once per seed.
-//! Prints the number of maps, the median times in milliseconds of the map (without rendering) and of planning with its proof, the
+//! The places of no obstacle, of the target's support or of all obstacles are known. Prints the number of maps, the median times in milliseconds of the map (without rendering) and of planning with its proof, the
 //! numbers of solved plans, of those that meet a true obstacle, and of maps of which no grasp is reachable.
 
 use std::error::Error;
@@ -17,8 +17,8 @@ use cranny_spatial::other_seed;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let [cameras, seeds, unseen, scenarios @ ..] = &words[..] else {
-        return Err("usage: seen_space CAMERAS SEEDS solid|free SCENARIO…".into());
+    let [cameras, seeds, unseen, known, scenarios @ ..] = &words[..] else {
+        return Err("usage: seen_space CAMERAS SEEDS solid|free none|support|all SCENARIO…".into());
     };
     let unseen = match unseen.as_str() {
         "solid" => Unseen::Solid,
@@ -33,7 +33,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut total = Tally::default();
     for id in scenarios {
         let mut tally = Tally::default();
-        measure(id, cameras, seeds, unseen, &mut tally)?;
+        let truth = Scenario::open(id, &OpenOptions::default())?;
+        let bodies = truth.world.bodies();
+        let indices: Vec<usize> = match (known.as_str(), truth.target) {
+            ("support", Some(target)) => truth.world.supports_of(target),
+            ("all", _) => (0..bodies.len()).collect(),
+            ("none" | "support", _) => Vec::new(),
+            _ => return Err("known are 'none', 'support' or 'all'".into()),
+        };
+        let known: Vec<String> = indices.into_iter().map(|index| bodies[index].name.clone()).collect();
+        measure(&truth, &known, cameras, seeds, unseen, &mut tally)?;
         println!("| {id} {}", tally.row());
         total.add(tally);
     }
@@ -88,18 +97,18 @@ fn quantile(values: &[f64], fraction: f64) -> f64 {
 }
 
 fn measure(
-    id: &str,
+    truth: &Scenario,
+    known: &[String],
     cameras: usize,
     seeds: u64,
     unseen: Unseen,
     tally: &mut Tally,
 ) -> Result<(), Box<dyn Error>> {
-    let truth = Scenario::open(id, &OpenOptions::default())?;
     let problem = truth.problem(Margins::default())?;
     let true_cell = problem.cell().ok_or("an exact scenario")?;
     let scene = truth.sensed()?;
     let placed = truth.default_cameras(&scene, cameras)?;
-    let known = truth.with_known_bodies_only()?;
+    let known = truth.with_known_bodies_only(known)?;
     let options = SeenOptions { unseen, ..SeenOptions::default() };
     for seed in 0..seeds {
         let mut views: Vec<View> = Vec::new();

@@ -17,16 +17,19 @@ pub(crate) struct SeenEntry {
     pub views: PathBuf,
     /// Treatment of space that no camera has seen. Default: solid.
     pub unseen: Option<UnseenName>,
-    /// Side of the smallest cells of the map (m). Default: 0.01.
+    /// Side of the smallest cells of the map (m). Default: 0.02.
     pub cell_m: Option<f64>,
+    /// The same within 8 cm of the target (m). Default: 0.005.
+    pub fine_m: Option<f64>,
     /// Region that is mapped; all other space is unseen. Default: 0.5 m around the robot at its start and the target.
     pub region: Option<RegionEntry>,
     /// Distance from the robot at its start within which unseen space counts as free (m). Default: 0.06.
     pub robot_reach_m: Option<f64>,
-    /// The same for the floor. Default: 0.06.
+    /// The same above the floor, also where no camera sees it. Default: 0.
     pub floor_reach_m: Option<f64>,
-    /// Error of the pose of the target (m): surfaces and unseen cells within it are those of the target. Default: 0.002.
-    pub target_tolerance_m: Option<f64>,
+    /// Error of the poses of the target and of the obstacles of this file (m): surfaces and unseen cells within it are theirs. Default:
+    /// 0.002.
+    pub tolerance_m: Option<f64>,
 }
 
 /// Treatment of unseen space.
@@ -59,10 +62,11 @@ impl SeenEntry {
                 Some(UnseenName::Solid) | None => Unseen::Solid,
             },
             cell_m: self.cell_m.unwrap_or(default.cell_m),
+            fine_m: self.fine_m.unwrap_or(default.fine_m),
             region: self.region.map(region),
             robot_reach_m: self.robot_reach_m.unwrap_or(default.robot_reach_m),
             floor_reach_m: self.floor_reach_m.unwrap_or(default.floor_reach_m),
-            target_tolerance_m: self.target_tolerance_m.unwrap_or(default.target_tolerance_m),
+            tolerance_m: self.tolerance_m.unwrap_or(default.tolerance_m),
         }
     }
 }
@@ -82,9 +86,10 @@ impl SeenOptions {
         }
         for (key, value, default) in [
             ("cell_m", self.cell_m, default.cell_m),
+            ("fine_m", self.fine_m, default.fine_m),
             ("robot_reach_m", self.robot_reach_m, default.robot_reach_m),
             ("floor_reach_m", self.floor_reach_m, default.floor_reach_m),
-            ("target_tolerance_m", self.target_tolerance_m, default.target_tolerance_m),
+            ("tolerance_m", self.tolerance_m, default.tolerance_m),
         ] {
             if (value - default).abs() > 0.0 {
                 let _ = writeln!(text, "  {key}: {value}");

@@ -1,19 +1,26 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use cranny_collision::Body;
+
 use crate::files::atomic_file::write_into;
 use crate::layout::own;
 use crate::seen::seen_space::SeenOptions;
 use crate::{Recipe, Scenario, ScenarioError};
 
 impl SeenOptions {
-    /// Writes what is known of a scenario beside views in this folder: robot, start, target, grasps and floor, with the views as
-    /// obstacles.
+    /// Writes what is known of a scenario beside views in this folder: robot, start, target, grasps, floor and these obstacles, with the
+    /// views as further obstacles.
     ///
     /// # Errors
-    /// As [`Scenario::write_folder`].
-    pub fn write_scenario(&self, scenario: &Scenario, folder: &Path) -> Result<(), ScenarioError> {
-        let hidden = scenario.with_known_bodies_only()?;
+    /// As [`Scenario::with_known_bodies_only`] and [`Scenario::write_folder`].
+    pub fn write_scenario(
+        &self,
+        scenario: &Scenario,
+        known: &[String],
+        folder: &Path,
+    ) -> Result<(), ScenarioError> {
+        let hidden = scenario.with_known_bodies_only(known)?;
         let mut recipe = Recipe::of_scenario(&hidden)?;
         recipe.title = format!("scenario {} as cameras see it", scenario.id);
         recipe.write_folder(folder)?;
@@ -22,18 +29,26 @@ impl SeenOptions {
 }
 
 impl Scenario {
-    /// Returns the scenario without its obstacles, and without what refers to them: tasks, places and known configurations.
+    /// Returns the scenario without its obstacles, except for those with these names and the floor, and without what refers to the
+    /// others: tasks, places and known configurations.
     ///
     /// # Errors
-    /// [`ScenarioError::Collision`] for an invalid pose.
-    pub fn with_known_bodies_only(&self) -> Result<Self, ScenarioError> {
-        let is_floor =
-            |body: usize| self.world.bodies()[body].parts.iter().all(|part| part.solid.is_half_space());
-        let is_known = |body: &usize| self.target == Some(*body) || is_floor(*body);
-        let kept = (0..self.world.bodies().len()).filter(is_known);
-        let bodies = kept.map(|body| self.world.bodies()[body].clone()).collect();
+    /// [`ScenarioError::Collision`] for a name of no body or an invalid pose.
+    pub fn with_known_bodies_only(&self, known: &[String]) -> Result<Self, ScenarioError> {
+        for name in known {
+            self.world.body_index(name)?;
+        }
+        let bodies = self.world.bodies();
+        let is_floor = |body: &Body| body.parts.iter().all(|part| part.solid.is_half_space());
+        let is_kept = |index: &usize| {
+            let body = &bodies[*index];
+            self.target != Some(*index) && (is_floor(body) || known.contains(&body.name))
+        };
+        // The target first, so that its index is known.
+        let others = (0..bodies.len()).filter(is_kept);
+        let kept = self.target.into_iter().chain(others).map(|index| bodies[index].clone()).collect();
         Ok(Self {
-            world: self.world.with_bodies(bodies)?,
+            world: self.world.with_bodies(kept)?,
             target: self.target.map(|_| 0),
             ik: Vec::new(),
             places: Vec::new(),

@@ -21,26 +21,30 @@ pub struct SeenOptions {
     pub unseen: Unseen,
     /// Side of the smallest cells, in metres.
     pub cell_m: f64,
+    /// Side of the smallest cells around the target, in metres.
+    pub fine_m: f64,
     /// Region that is mapped, in the planning frame; `None`: around robot, target and the space between them.
     pub region: Option<Aabb>,
     /// Distance from the robot at its start within which unseen space counts as free, in metres.
     pub robot_reach_m: f64,
     /// The same for the floor.
     pub floor_reach_m: f64,
-    /// Error of the pose of the target, in metres: measured surfaces and unseen cells within it are those of the target.
-    pub target_tolerance_m: f64,
+    /// Error of the poses of the target and of known obstacles, in metres: measured surfaces and unseen cells within it are theirs.
+    pub tolerance_m: f64,
 }
 
 impl Default for SeenOptions {
-    /// Cells of 1 cm; the robot's shell covers the noise of a camera in front of its links.
+    /// Cells as wide as the details that a camera of 320 × 240 pixels resolves at 1.5 m; the robot's shell covers the noise of a camera in
+    /// front of its links.
     fn default() -> Self {
         Self {
             unseen: Unseen::Solid,
-            cell_m: 0.01,
+            cell_m: 0.02,
+            fine_m: 0.005,
             region: None,
             robot_reach_m: 0.06,
-            floor_reach_m: 0.06,
-            target_tolerance_m: 0.002,
+            floor_reach_m: 0.0,
+            tolerance_m: 0.002,
         }
     }
 }

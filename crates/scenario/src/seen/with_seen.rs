@@ -13,9 +13,6 @@ const ROBOT_TOLERANCE_M: f64 = 0.005;
 /// Name of the robot as a known body.
 const ROBOT: &str = "robot";
 
-/// Name of the target as a known body.
-const TARGET: &str = "target";
-
 /// Space around the target in which cells are half as wide, for the hand, in metres.
 const FINE_M: f64 = 0.08;
 
@@ -24,7 +21,7 @@ const AROUND_M: f64 = 0.5;
 
 impl Scenario {
     /// Returns the scenario with a map of the space that these views show as further obstacles: `occupied` and `unseen`. The robot at
-    /// its start, the target and the floor are cut out.
+    /// its start and the bodies of the scenario, which are known, are cut out; of clouds this cannot be done.
     ///
     /// # Errors
     /// [`ScenarioError::Sense`] for options out of range or a body that cannot be rendered, [`ScenarioError::BodyName`] if the scenario
@@ -33,7 +30,7 @@ impl Scenario {
         for (property, value) in [
             ("robot_reach_m", options.robot_reach_m),
             ("floor_reach_m", options.floor_reach_m),
-            ("target_tolerance_m", options.target_tolerance_m),
+            ("tolerance_m", options.tolerance_m),
         ] {
             if !(0.0..=0.2).contains(&value) {
                 return Err(ScenarioError::SeenOption { property, value });
@@ -51,27 +48,33 @@ impl Scenario {
             solids,
             tolerance_m,
             reach_m,
-            is_transparent: name == TARGET,
-            is_alone: name == ROBOT,
+            is_transparent: false,
+            is_alone: false,
         };
-        let mut bodies = vec![known(ROBOT, links.collect(), ROBOT_TOLERANCE_M, options.robot_reach_m)];
-        let solids_of = |body: usize| -> Vec<(Pose, Solid)> {
-            let parts = self.world.bodies()[body].parts.iter();
-            parts.map(|part| (part.world_from_solid, part.solid.clone())).collect()
-        };
-        if let Some(target) = self.target {
-            let tolerance_m = options.target_tolerance_m;
-            bodies.push(known(TARGET, solids_of(target), tolerance_m, tolerance_m));
+        let robot = known(ROBOT, links.collect(), ROBOT_TOLERANCE_M, options.robot_reach_m);
+        let mut bodies = vec![KnownBody { is_alone: true, ..robot }];
+        let mut around_target = Vec::new();
+        for (index, body) in self.world.bodies().iter().enumerate() {
+            let has_inside = |solid: &Solid| !solid.is_half_space() && solid.as_union().is_none();
+            let solids: Vec<(Pose, Solid)> =
+                body.parts.iter().map(|part| (part.world_from_solid, part.solid.clone())).collect();
+            if solids.iter().all(|(_, solid)| solid.is_half_space()) {
+                let floor = known(&body.name, solids, 0.0, options.floor_reach_m);
+                bodies.push(KnownBody { is_transparent: true, ..floor });
+            } else if solids.iter().all(|(_, solid)| has_inside(solid)) {
+                if self.target == Some(index) {
+                    let boxes = solids.iter().map(|(pose, solid)| solid.aabb().transformed(pose));
+                    around_target = boxes.collect();
+                }
+                let body = known(&body.name, solids, options.tolerance_m, options.tolerance_m);
+                bodies.push(KnownBody { is_transparent: true, ..body });
+            }
         }
-        let is_floor =
-            |body: usize| self.world.bodies()[body].parts.iter().all(|part| part.solid.is_half_space());
-        if let Some(floor) = (0..self.world.bodies().len()).find(|body| is_floor(*body)) {
-            bodies.push(known("floor", solids_of(floor), 0.0, options.floor_reach_m));
-        }
-        let region = options.region.unwrap_or_else(|| region_of_interest(&bodies));
-        let fine = bodies.iter().filter(|body| body.is_transparent).flat_map(|body| &body.solids);
-        let fine = fine.map(|(pose, solid)| solid.aabb().transformed(pose).grown(FINE_M)).collect();
-        let settings = SeenSettings { region, fine, cell_m: options.cell_m, unseen: options.unseen };
+        let of_robot = bodies[0].solids.iter().map(|(pose, solid)| solid.aabb().transformed(pose));
+        let region = options.region.unwrap_or_else(|| around(of_robot.chain(around_target.iter().copied())));
+        let fine = around_target.iter().map(|aabb| aabb.grown(FINE_M)).collect();
+        let SeenOptions { cell_m, fine_m, unseen, .. } = *options;
+        let settings = SeenSettings { region, fine, cell_m, fine_m, unseen };
         let map = SeenMap::new(views, &bodies, settings)?;
         let mut seen = self.clone();
         for body in map.bodies()? {
@@ -93,12 +96,13 @@ impl Scenario {
         // A bound is never stated less than it is.
         let bound = |value: f64, unit: f64, digits: usize| cranny_file::at_most(value, unit, digits);
         let greatest = |of: fn(&SensorModel) -> f64| sensors.iter().map(of).fold(0.0, f64::max);
-        let [detail, beside] = map.detail_m().map(millimetres);
+        let [detail, detail_beside] = map.detail_m().map(millimetres);
+        let [layer, layer_beside] = map.layer_m().map(millimetres);
         Some(format!(
             "the obstacles are what {} show; {unseen}. Their errors are bounded by {} mm + {} % of the depth, {} pixels, and {} mm \
-             and {}° of the camera's pose; things thinner than {detail} may be missed, beside the target {beside}. Within {} \
-             of the robot at its start, and {} of the floor, unseen space counts as free, and so \
-             does all that the robot touches there",
+             and {}° of the camera's pose; things thinner than {detail} may be missed, beside the target {detail_beside}, and so may \
+             things that rise less than {layer} above the surface of a known body, beside the target {layer_beside}. Within {} of the \
+             robot at its start, and {} of the floor, unseen space counts as free, and so does all that the robot touches there",
             cranny_file::counted(sensors.len(), "view"),
             bound(greatest(|sensor| sensor.depth_error_m), 1e3, 1),
             bound(greatest(|sensor| sensor.depth_error_share), 1e2, 2),
@@ -111,10 +115,8 @@ impl Scenario {
     }
 }
 
-/// Returns the box around these bodies, with space around it.
-fn region_of_interest(known: &[KnownBody]) -> Aabb {
-    let solids = known.iter().flat_map(|body| &body.solids).filter(|(_, solid)| !solid.is_half_space());
-    let boxes = solids.map(|(pose, solid)| solid.aabb().transformed(pose));
+/// Returns the box around these boxes, with space around it.
+fn around(boxes: impl Iterator<Item = Aabb>) -> Aabb {
     let corners: Vec<Point> = boxes.flat_map(|aabb| [aabb.low(), aabb.high()]).collect();
     if corners.is_empty() {
         return Aabb { center: Point::origin(), half_extents: Vector::repeat(AROUND_M) };

@@ -1,3 +1,5 @@
+use crate::seen::pixel_window::lesser;
+
 /// Least values of an image in squares of 1, 2, 4, … pixels, so that the least in any rectangle is that of four squares at most.
 #[derive(Clone, Debug)]
 pub(crate) struct LeastTable {
@@ -31,7 +33,7 @@ impl LeastTable {
                 let target = &mut next[row * width..(row + 1) * width];
                 let least_of_two = |one: &[f32], other: &[f32], target: &mut [f32]| {
                     for ((least, a), b) in target.iter_mut().zip(one).zip(other) {
-                        *least = least.min(*a).min(*b);
+                        *least = lesser(lesser(*least, *a), *b);
                     }
                 };
                 least_of_two(below, &here[half..], target);
@@ -44,6 +46,11 @@ impl LeastTable {
             levels.push(next);
         }
         Self { width, levels }
+    }
+
+    /// Returns the values of all pixels, row by row.
+    pub fn image(&self) -> &[f32] {
+        &self.levels[0]
     }
 
     /// Returns the values of the pixels of a rectangle within the image.

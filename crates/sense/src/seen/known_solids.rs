@@ -1,9 +1,10 @@
-use std::collections::HashMap;
-
-use cranny_shape::{Range, Solid, Surface, separation_in};
+use cranny_shape::{Range, Solid, separation_in};
 use cranny_spatial::{Point, Pose, Rotation};
 
-use crate::{Render, Segment, SegmentKind, SenseError, SensedScene, SensorModel, View};
+use crate::rendering::interval::Side;
+use crate::rendering::render::{Meeting, Rays};
+use crate::seen::pixel_window::{greater, lesser, window};
+use crate::{Segment, SegmentKind, SenseError, SensedScene, View};
 
 /// A body whose place is known: the robot where it stands, or the object to be grasped.
 #[derive(Clone, Debug)]
@@ -16,7 +17,7 @@ pub struct KnownBody {
     pub tolerance_m: f64,
     /// Distance from its surface within which space counts as free unless another surface is measured there, in metres.
     pub reach_m: f64,
-    /// True if pixels that show it count as free to its back: nothing else can be inside of it.
+    /// True if pixels that show it count as free to its back, those of a half-space without end: nothing else can be inside of it.
     pub is_transparent: bool,
     /// True if cells that it touches hold nothing else, whatever is measured there: the robot stands there.
     pub is_alone: bool,
@@ -93,7 +94,8 @@ impl KnownSolids {
         among.iter().any(|&index| {
             let KnownSolid { pose, solid, .. } = &self.solids[index];
             let ball = solid.ball();
-            let is_far = (pose * ball.center - point).norm() - ball.radius_m > margin_m;
+            let is_far = (pose * ball.center - point).norm() - ball.radius_m > margin_m
+                || solid.aabb().distance_to(&pose.inverse_transform_point(point)) > margin_m;
             !is_far && distance_m(point, solid, pose, margin_m) <= margin_m
         })
     }
@@ -146,74 +148,100 @@ pub(crate) enum PixelOf {
     Other,
 }
 
-impl Explained {
-    /// Returns the pixels of `view` whose depths fit a known body there and in the pixels around.
-    ///
+/// Known bodies in a form that is rendered.
+pub(crate) struct KnownScene<'a> {
+    bodies: &'a [KnownBody],
+    scene: SensedScene,
+    solids: KnownSolids,
+}
+
+impl<'a> KnownScene<'a> {
     /// # Errors
     /// [`SenseError::NoSurface`] for a body that cannot be rendered.
-    pub fn of(view: &View, bodies: &[KnownBody]) -> Result<Self, SenseError> {
+    pub fn new(bodies: &'a [KnownBody]) -> Result<Self, SenseError> {
         let mut scene = SensedScene::default();
         for body in bodies {
             let segment = Segment { name: body.name.clone(), kind: SegmentKind::Body };
             scene.add(segment, body.solids.iter().map(|(pose, solid)| (*pose, solid)))?;
         }
-        let render = scene.render(&view.camera);
-        if render.segments.iter().all(|segment| *segment == 0) {
-            return Ok(Self { pixels: Vec::new() });
+        Ok(Self { bodies, scene, solids: KnownSolids::new(bodies) })
+    }
+
+    fn body(&self, segment: u16) -> Option<&KnownBody> {
+        self.bodies.get(usize::from(segment).wrapping_sub(1))
+    }
+}
+
+impl Explained {
+    /// Returns the pixels of `view` whose depths fit a known body there and in the pixels around.
+    pub fn of(view: &View, known: &KnownScene) -> Self {
+        let camera = &view.camera;
+        let rays = Rays::centres(camera);
+        let fronts = known.scene.meetings(&rays, Side::Front, |_| true);
+        if fronts.iter().all(|front| front.segment == 0) {
+            return Self { pixels: Vec::new() };
         }
-        let (width, height) = (view.camera.width_px, view.camera.height_px);
-        let SensorModel { lateral_error_px, .. } = view.sensor;
+        let is_transparent = |segment: u16| known.body(segment).is_some_and(|body| body.is_transparent);
+        let backs = known.scene.meetings(&rays, Side::Back, is_transparent);
+        let size_px = [camera.width_px, camera.height_px];
+        let [width, height] = size_px;
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 16")]
-        let around = lateral_error_px.ceil() as usize;
-        let backs_m = backs_m(view, bodies, &render);
-        let mut pixels = vec![PixelOf::Other; width * height];
-        let known = KnownSolids::new(bodies);
-        let all = known.all();
-        for v in 0..height {
-            for u in 0..width {
-                let Some(measured_m) = view.depth.depth_m(u, v).map(f64::from) else { continue };
-                let columns = u.saturating_sub(around)..=(u + around).min(width - 1);
-                let rows = v.saturating_sub(around)..=(v + around).min(height - 1);
-                let is_border =
-                    columns.end() - columns.start() < 2 * around || rows.end() - rows.start() < 2 * around;
-                let (mut near_m, mut far_m, mut is_whole) = (f64::INFINITY, 0.0_f64, !is_border);
-                let mut back_m = f64::INFINITY;
-                let is_through = backs_m.contains_key(&(v * width + u));
-                for place in rows.flat_map(|row| columns.clone().map(move |column| row * width + column)) {
-                    let segment = usize::from(render.segments[place]);
-                    let Some(body) = bodies.get(segment.wrapping_sub(1)) else {
-                        is_whole = false;
-                        continue;
-                    };
-                    is_whole &= render.segments[place] == render.segments[v * width + u];
-                    let depth_m = f64::from(render.depth.depths_m()[place]);
-                    near_m = near_m.min(depth_m - body.tolerance_m);
-                    far_m = far_m.max(depth_m + body.tolerance_m);
-                    let back = backs_m.get(&place).map_or(depth_m, |back_m| back_m.max(depth_m));
-                    back_m = back_m.min(back - body.tolerance_m);
-                }
-                let is_behind = view.sensor.greatest_true_depth_m(measured_m) >= near_m;
-                let fits = is_behind && view.sensor.least_true_depth_m(measured_m) <= far_m;
-                // A depth at an edge may lie anywhere between front and back.
-                pixels[v * width + u] = match (is_whole, fits, is_behind) {
-                    (true, true, _) if is_through => PixelOf::Through(back_m),
-                    (true, true, _) => PixelOf::Known(back_m),
-                    (_, _, true) if near_m.is_finite() => PixelOf::Edge,
-                    // Features of a body may be narrower than a pixel, or beyond the border of the image.
-                    (false, _, false) if near_m.is_finite() || is_border => {
-                        let camera = &view.camera;
-                        let lateral_m = 2.0 * (0.5 + lateral_error_px) * measured_m
-                            / camera.focal_x_px.min(camera.focal_y_px);
-                        let margin_m = lateral_m + view.sensor.depth_bound_m(measured_m);
-                        let point = camera.ray(u as f64, v as f64) * measured_m;
-                        let point = camera.world_from_camera * Point::from(point);
-                        if known.is_within(&point, margin_m, &all) { PixelOf::Edge } else { PixelOf::Other }
-                    }
-                    _ => PixelOf::Other,
+        let around = view.sensor.lateral_error_px.ceil() as usize;
+        // Depths of front and back in the pixels around each pixel, with their tolerances; the segments there.
+        #[allow(clippy::cast_possible_truncation, reason = "rounding is a thousandth of a reserve")]
+        let around_each =
+            |value: &dyn Fn(&KnownBody, &Meeting, &Meeting) -> f64, none: f32, pick: fn(f32, f32) -> f32| {
+                let of = |(front, back): (&Meeting, &Meeting)| {
+                    known.body(front.segment).map_or(none, |body| value(body, front, back) as f32)
                 };
-            }
+                let image: Vec<f32> = fronts.iter().zip(&backs).map(of).collect();
+                window(&image, size_px, around, pick)
+            };
+        let near_m = around_each(&|body, front, _| front.depth_m - body.tolerance_m, f32::INFINITY, lesser);
+        let far_m = around_each(&|body, front, _| front.depth_m + body.tolerance_m, 0.0, greater);
+        let end_m = |body: &KnownBody, front: &Meeting, back: &Meeting| {
+            let has_back = body.is_transparent && back.segment == front.segment;
+            let end_m = if has_back { back.depth_m.max(front.depth_m) } else { front.depth_m };
+            end_m - body.tolerance_m
+        };
+        let back_m = around_each(&end_m, f32::INFINITY, lesser);
+        let segment = |_: &KnownBody, front: &Meeting, _: &Meeting| f64::from(front.segment);
+        let segments = [around_each(&segment, 0.0, lesser), around_each(&segment, 0.0, greater)];
+        let all = known.solids.all();
+        let mut pixels = vec![PixelOf::Other; width * height];
+        for place in 0..pixels.len() {
+            let (u, v) = (place % width, place / width);
+            let Some(measured_m) = view.depth.depth_m(u, v).map(f64::from) else { continue };
+            let [near_m, far_m, back_m] = [&near_m, &far_m, &back_m].map(|image| f64::from(image[place]));
+            let is_border = u.min(v) < around || u + around >= width || v + around >= height;
+            let own = fronts[place].segment;
+            let is_whole = !is_border
+                && own > 0
+                && segments.iter().all(|image| (image[place] - f32::from(own)).abs() < 0.5);
+            let is_behind = view.sensor.greatest_true_depth_m(measured_m) >= near_m;
+            let fits = is_behind && view.sensor.least_true_depth_m(measured_m) <= far_m;
+            // A depth at an edge may lie anywhere between front and back.
+            pixels[place] = match (is_whole, fits, is_behind) {
+                (true, true, _) if is_transparent(own) => PixelOf::Through(back_m),
+                (true, true, _) => PixelOf::Known(back_m),
+                (_, _, true) if near_m.is_finite() => PixelOf::Edge,
+                // Features of a body may be narrower than a pixel, or beyond the border of the image.
+                (false, _, false) if near_m.is_finite() || is_border => {
+                    let lateral_m = 2.0 * (0.5 + view.sensor.lateral_error_px) * measured_m
+                        / camera.focal_x_px.min(camera.focal_y_px);
+                    let margin_m = lateral_m + view.sensor.depth_bound_m(measured_m);
+                    let point = camera.ray(u as f64, v as f64) * measured_m;
+                    let point = camera.world_from_camera * Point::from(point);
+                    if known.solids.is_within(&point, margin_m, &all) {
+                        PixelOf::Edge
+                    } else {
+                        PixelOf::Other
+                    }
+                }
+                _ => PixelOf::Other,
+            };
         }
-        Ok(Self { pixels })
+        Self { pixels }
     }
 
     /// Returns true if no pixel shows a known body.
@@ -235,34 +263,4 @@ impl Explained {
     pub fn is_of_known(&self, pixel: usize) -> bool {
         !matches!(self.pixel(pixel), PixelOf::Other)
     }
-}
-
-/// Returns the depth (m) at which the ray of each pixel that shows a transparent body first leaves it.
-fn backs_m(view: &View, bodies: &[KnownBody], render: &Render) -> HashMap<usize, f64> {
-    let camera = &view.camera;
-    let mut backs_m = HashMap::new();
-    for (body, number) in bodies.iter().zip(1_u16..) {
-        if !body.is_transparent {
-            continue;
-        }
-        let shown = (0..render.segments.len()).filter(|pixel| render.segments[*pixel] == number);
-        let pixels: Vec<usize> = shown.collect();
-        for (pose, solid) in &body.solids {
-            let surface = solid.tessellation().and_then(|soup| Surface::new(&soup).ok());
-            let Some(surface) = surface.filter(|_| !pixels.is_empty()) else { continue };
-            let solid_from_camera = pose.inv_mul(&camera.world_from_camera);
-            let origin = Point::from(solid_from_camera.translation.vector);
-            for &pixel in &pixels {
-                let ray = camera.ray((pixel % camera.width_px) as f64, (pixel / camera.width_px) as f64);
-                let direction = solid_from_camera.rotation * ray.normalize();
-                let hits = surface.ray_hits(&origin, &direction, 2.0 * view.sensor.farthest_m);
-                // The first way out; of several solids, the first of all.
-                let Some(out) = hits.iter().find(|hit| hit.normal.dot(&direction) > 0.0) else { continue };
-                let depth_m = out.distance_m / ray.norm();
-                let back = backs_m.entry(pixel).or_insert(depth_m);
-                *back = back.min(depth_m);
-            }
-        }
-    }
-    backs_m
 }

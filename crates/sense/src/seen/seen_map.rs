@@ -4,7 +4,7 @@ use cranny_spatial::{Point, Pose, Rotation, Vector};
 use rayon::prelude::*;
 
 use crate::seen::cell_merge::boxes_of;
-use crate::seen::known_solids::{Explained, KnownBody, KnownSolids, Nearness};
+use crate::seen::known_solids::{Explained, KnownBody, KnownScene, KnownSolids, Nearness};
 use crate::seen::sight::{Judgement, Sight};
 use crate::{SenseError, View};
 
@@ -15,8 +15,10 @@ pub struct SeenSettings {
     pub region: Aabb,
     /// Side of the smallest cells, in metres.
     pub cell_m: f64,
-    /// Boxes in which the smallest cells are half as wide.
+    /// Boxes in which the smallest cells are narrower.
     pub fine: Vec<Aabb>,
+    /// Side of the smallest cells there, in metres.
+    pub fine_m: f64,
     /// Treatment of unseen space.
     pub unseen: Unseen,
 }
@@ -40,6 +42,7 @@ pub struct SeenMap {
     /// Cells that no camera has seen into.
     unseen: Vec<Aabb>,
     detail_m: [f64; 2],
+    layer_m: [f64; 2],
 }
 
 /// Cells of one kind in a cube: all, none, or some, which are then listed.
@@ -58,6 +61,11 @@ const HALVINGS: u32 = 4;
 const MOST_CUBES: f64 = 262_144.0;
 
 impl SeenMap {
+    /// Name of the body that stands for measured surfaces.
+    pub const OCCUPIED: &str = "occupied";
+    /// Name of the body that stands for unseen space.
+    pub const UNSEEN: &str = "unseen";
+
     /// Maps a region as these views show it.
     ///
     /// # Errors
@@ -67,31 +75,20 @@ impl SeenMap {
         if views.is_empty() {
             return Err(SenseError::NoViews);
         }
-        let SeenSettings { region, cell_m, .. } = &settings;
-        let fault = |problem: String| SenseError::Map { problem };
-        if !(1e-3..=0.2).contains(cell_m) {
-            return Err(fault(format!("its cells must be 0.001 to 0.2 m wide, but are {cell_m} m")));
-        }
-        let is_region = region.center.iter().all(|x| x.abs() <= 100.0)
-            && region.half_extents.iter().all(|x| *x > 0.0 && *x <= 100.0);
-        if !is_region {
-            return Err(fault("its region must be a box of positive size within 100 m".to_owned()));
-        }
-        let cube_m = cell_m * f64::from(1_u32 << HALVINGS);
-        let counts = region.half_extents.map(|half| (2.0 * half / cube_m).ceil().max(1.0));
-        if counts.product() > MOST_CUBES {
-            return Err(fault(format!(
-                "its region holds more than {MOST_CUBES} cubes of {cube_m} m (take larger cells or a smaller region)"
-            )));
-        }
-        let half_m = 0.5 * cell_m;
-        let sight = |view: &View| Ok(Sight::new(view, &Explained::of(view, known)?, half_m));
-        let sights: Vec<Sight> = views.par_iter().map(sight).collect::<Result<_, SenseError>>()?;
-        let fine = settings.fine.clone();
-        let survey = Survey { sights, known: KnownSolids::new(known), half_m, fine };
+        let Cubes { counts: [x, y, z], side_m: cube_m } = Cubes::of(&settings)?;
+        let SeenSettings { region, cell_m, fine, fine_m, .. } = &settings;
+        let has_fine = !fine.is_empty();
+        let scene = KnownScene::new(known)?;
+        let sight = |view: &View| Sight::new(view, &Explained::of(view, &scene), has_fine);
+        let sights: Vec<Sight> = views.par_iter().map(sight).collect();
+        let survey = Survey {
+            sights,
+            known: KnownSolids::new(known),
+            half_m: 0.5 * cell_m,
+            fine: fine.clone(),
+            fine_half_m: 0.5 * fine_m,
+        };
         let low = region.low();
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small whole numbers")]
-        let [x, y, z] = [0, 1, 2].map(|axis| counts[axis] as usize);
         let (views, solids) = ((0..survey.sights.len()).collect::<Vec<_>>(), survey.known.all());
         let cubes = (0..x * y * z).into_par_iter().map(|index| {
             let place = Vector::new((index / (y * z)) as f64, (index / z % y) as f64, (index % z) as f64);
@@ -104,14 +101,19 @@ impl SeenMap {
         });
         let cubes: Vec<Cells> = cubes.collect();
         let collected = |of: fn(&Cells) -> &Vec<Aabb>| cubes.iter().flat_map(of).copied().collect();
-        let details_m = |boxes: &[Aabb]| {
+        let tolerance_m = known.iter().map(|body| body.tolerance_m).fold(0.0, f64::max);
+        let [everywhere, beside] = [std::slice::from_ref(region), &settings.fine[..]].map(|boxes| {
             let corners = boxes.iter().flat_map(corners);
-            let details = corners.flat_map(|corner| {
-                survey.sights.iter().map(move |sight| sight.detail_m(sight.depth_m(&corner).max(0.0)))
+            let missed = corners.flat_map(|corner| {
+                survey.sights.iter().map(move |sight| {
+                    let depth_m = sight.depth_m(&corner).max(0.0);
+                    (sight.detail_m(depth_m), sight.layer_m(depth_m, tolerance_m))
+                })
             });
-            details.fold([0.0_f64; 2], |[a, b], [c, d]| [a.max(c), b.max(d)])
-        };
-        let detail_m = [details_m(&[*region])[0], details_m(&settings.fine)[1]];
+            missed.fold(([0.0_f64; 2], 0.0_f64), |([a, b], layer), ([c, d], other)| {
+                ([a.max(c), b.max(d)], layer.max(other))
+            })
+        });
         // The cubes may reach beyond the region.
         let mapped = Vector::new(x as f64, y as f64, z as f64) * cube_m;
         let region = Aabb { center: low + mapped * 0.5, half_extents: mapped * 0.5 };
@@ -119,7 +121,8 @@ impl SeenMap {
             settings: SeenSettings { region, ..settings },
             occupied: collected(|cells| &cells.occupied),
             unseen: collected(|cells| &cells.unseen),
-            detail_m,
+            detail_m: [everywhere.0[0], beside.0[1]],
+            layer_m: [everywhere.1, beside.1],
         })
     }
 
@@ -143,6 +146,12 @@ impl SeenMap {
         self.detail_m
     }
 
+    /// Returns the thickness of the layer at the surface of a known body in which nothing else can be told apart from it: within the
+    /// region, and within its fine boxes (m).
+    pub fn layer_m(&self) -> [f64; 2] {
+        self.layer_m
+    }
+
     /// Returns the volume that is seen to be free, in cubic metres.
     pub fn free_m3(&self) -> f64 {
         let volume = |aabb: &Aabb| 8.0 * aabb.half_extents.product();
@@ -150,8 +159,8 @@ impl SeenMap {
         volume(&self.settings.region) - taken
     }
 
-    /// Returns the obstacles that the map stands for: the body `occupied` and, if unseen space is solid, the body `unseen`, with all
-    /// space outside the region.
+    /// Returns the obstacles that the map stands for: the body [`OCCUPIED`](Self::OCCUPIED) and, if unseen space is solid, the body
+    /// [`UNSEEN`](Self::UNSEEN), with all space outside the region.
     ///
     /// # Errors
     /// [`SenseError::Shape`] for a region too far away.
@@ -172,11 +181,11 @@ impl SeenMap {
                 bodies.push(Body { name: name.to_owned(), parts, tilt_rad: None });
             }
         };
-        add("occupied", union(&self.occupied)?.into_iter().collect());
+        add(Self::OCCUPIED, union(&self.occupied)?.into_iter().collect());
         if self.settings.unseen == Unseen::Solid {
             let mut parts: Vec<Part> = union(&self.unseen)?.into_iter().collect();
             parts.extend(self.outside()?);
-            add("unseen", parts);
+            add(Self::UNSEEN, parts);
         }
         Ok(bodies)
     }
@@ -204,6 +213,41 @@ impl SeenMap {
     }
 }
 
+/// Cubes with which the search begins: their number along each axis, and their side.
+struct Cubes {
+    counts: [usize; 3],
+    side_m: f64,
+}
+
+impl Cubes {
+    /// # Errors
+    /// [`SenseError::Map`] for a region or cell out of range.
+    fn of(settings: &SeenSettings) -> Result<Self, SenseError> {
+        let SeenSettings { region, cell_m, fine_m, .. } = settings;
+        let fault = |problem: String| Err(SenseError::Map { problem });
+        for side_m in [cell_m, fine_m] {
+            if !(1e-3..=0.2).contains(side_m) {
+                return fault(format!("its cells must be 0.001 to 0.2 m wide, but are {side_m} m"));
+            }
+        }
+        let is_region = region.center.iter().all(|x| x.abs() <= 100.0)
+            && region.half_extents.iter().all(|x| *x > 0.0 && *x <= 100.0);
+        if !is_region {
+            return fault("its region must be a box of positive size within 100 m".to_owned());
+        }
+        let side_m = cell_m * f64::from(1_u32 << HALVINGS);
+        let counts = region.half_extents.map(|half| (2.0 * half / side_m).ceil().max(1.0));
+        if counts.product() > MOST_CUBES {
+            return fault(format!(
+                "its region holds more than {MOST_CUBES} cubes of {side_m} m (take larger cells or a smaller region)"
+            ));
+        }
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small whole numbers")]
+        let counts = [0, 1, 2].map(|axis| counts[axis] as usize);
+        Ok(Self { counts, side_m })
+    }
+}
+
 /// Boxes of the two kinds that obstruct.
 #[derive(Clone, Debug, Default)]
 struct Cells {
@@ -227,8 +271,9 @@ struct Survey {
     known: KnownSolids,
     /// Half side of the smallest cells, in metres.
     half_m: f64,
-    /// Boxes in which it is half of that.
+    /// Boxes in which it is less, and the half side there.
     fine: Vec<Aabb>,
+    fine_half_m: f64,
 }
 
 impl Survey {
@@ -261,7 +306,7 @@ impl Survey {
             open.iter().any(|view| self.sights[*view].shows_surface(center, half_m, but_known))
         };
         // The borders of shadows and images, and the labels of cells that cannot be free, need no smallest cells.
-        let least_m = if is_fine { 0.5 * self.half_m } else { self.half_m };
+        let least_m = if is_fine { self.fine_half_m } else { self.half_m };
         let is_small = half_m < 3.0 * least_m;
         let is_least = half_m < 1.5 * least_m || (is_small && !(is_open && (is_fine || shows(false))));
         let nearness = near.map(|near| self.known.nearness(center, half_m, near));

@@ -1,9 +1,10 @@
 use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{Point, Vector};
 
-use crate::View;
 use crate::seen::depth_table::{LeastTable, PixelRect};
 use crate::seen::known_solids::{Explained, PixelOf};
+use crate::seen::pixel_window::{greater, lesser, window};
+use crate::{SensorModel, View};
 
 /// A view, prepared to judge cells of space.
 ///
@@ -23,8 +24,7 @@ pub(crate) struct Sight {
     focal_px: [f64; 2],
     center_px: [f64; 2],
     size_px: [usize; 2],
-    nearest_m: f64,
-    position_error_m: f64,
+    sensor: SensorModel,
     /// Twice the sine of half the error of orientation.
     turn_error: f64,
     /// Condition for free space, with k = 0.
@@ -62,9 +62,8 @@ struct Optics {
 }
 
 impl Condition {
-    /// Creates the condition for k = `reach`, for pixels with these least true depths and contents; the least cells have this half
-    /// side (m).
-    fn new(optics: &Optics, reach: u8, least_m: &[f64], explained: &Explained, least_half_m: f64) -> Self {
+    /// Creates the condition for k = `reach`, for pixels with these least true depths and contents.
+    fn new(optics: &Optics, reach: u8, least_m: &[f64], explained: &Explained) -> Self {
         let Optics { focal_px, sine, lateral_px, size_px: [width, height] } = optics;
         let radius_px = (f64::from(reach) + 0.5 + lateral_px) * std::f64::consts::SQRT_2;
         let per_m = radius_px / focal_px[0].min(focal_px[1]);
@@ -77,8 +76,7 @@ impl Condition {
             let least_m = least_m[pixel];
             let known_m = match explained.pixel(pixel) {
                 PixelOf::Through(back_m) => back_m * (1.0 + detail_per_m * sine),
-                // A cell at the surface of a known body holds nothing else.
-                PixelOf::Known(depth_m) => depth_m * (1.0 + slack_per_m) + 4.0 * least_half_m,
+                PixelOf::Known(depth_m) => depth_m * (1.0 + slack_per_m),
                 PixelOf::Edge | PixelOf::Other => 0.0,
             };
             if least_m > 0.0 { known_m.max(least_m) - ROUNDED_M } else { 0.0 }
@@ -101,13 +99,11 @@ impl Condition {
 /// Returns for each pixel of an image the greatest value among those at most `reach` away along both axes; 0 where one of them is
 /// outside of the image.
 fn greatest_around(image: &[f32], [width, height]: [usize; 2], reach: usize) -> Vec<f32> {
-    let mut greatest = vec![0.0; image.len()];
-    for v in reach..height.saturating_sub(reach) {
-        for u in reach..width.saturating_sub(reach) {
-            let rows =
-                (v - reach..=v + reach).map(|row| &image[row * width + u - reach..=row * width + u + reach]);
-            greatest[v * width + u] = rows.flatten().copied().fold(0.0, f32::max);
-        }
+    let mut greatest = window(image, [width, height], reach, greater);
+    for (place, value) in greatest.iter_mut().enumerate() {
+        let (u, v) = (place % width, place / width);
+        let is_inside = u.min(v) >= reach && u + reach < width && v + reach < height;
+        *value = if is_inside { *value } else { 0.0 };
     }
     greatest
 }
@@ -134,8 +130,8 @@ struct Image {
 }
 
 impl Sight {
-    /// Prepares a view in which pixels show known bodies; the least cells have this half side (m).
-    pub fn new(view: &View, explained: &Explained, least_half_m: f64) -> Self {
+    /// Prepares a view in which pixels show known bodies; with `with_beside` also for space beside a transparent one.
+    pub fn new(view: &View, explained: &Explained, with_beside: bool) -> Self {
         let View { camera, depth, sensor, .. } = view;
         let camera_from_world = camera.world_from_camera.inverse();
         let focal_px = [camera.focal_x_px, camera.focal_y_px];
@@ -164,27 +160,21 @@ impl Sight {
         };
         let least_m: Vec<f64> = bounds.iter().map(|bounds| bounds.map_or(0.0, |[least, _]| least)).collect();
         let optics = Optics { focal_px, sine, lateral_px: sensor.lateral_error_px, size_px };
-        let condition = |reach: u8| Condition::new(&optics, reach, &least_m, explained, least_half_m);
+        let condition = |reach: u8| Condition::new(&optics, reach, &least_m, explained);
         let sharp = condition(0);
-        let hopeful = (0..bounds.len()).map(|pixel| {
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some pixels")]
-            let around = (sharp.growth_px - 0.5) as usize;
-            let range = |at: usize, size: usize| [at.saturating_sub(around), (at + around).min(size - 1)];
-            let (u, v) = (pixel % camera.width_px, pixel / camera.width_px);
-            let rect = PixelRect { columns: range(u, camera.width_px), rows: range(v, camera.height_px) };
-            -sharp.free.least(&rect)
-        });
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some pixels")]
+        let around = (sharp.growth_px - 0.5) as usize;
+        let hopeful = window(sharp.free.image(), size_px, around, lesser).into_iter().map(|least| -least);
         Self {
             turn: camera_from_world.rotation.to_rotation_matrix().into_inner(),
             shift: camera_from_world.translation.vector,
             focal_px,
             center_px: [camera.center_x_px, camera.center_y_px],
             size_px,
-            nearest_m: sensor.nearest_m,
-            position_error_m: sensor.position_error_m,
+            sensor: *sensor,
             turn_error: 2.0 * libm::sin(0.5 * sensor.turn_error_rad),
             hopeful: LeastTable::new(camera.width_px, hopeful.collect()),
-            beside: explained.shows_transparent().then(|| condition(1)),
+            beside: (with_beside && explained.shows_transparent()).then(|| condition(1)),
             sharp,
             farthest: table(&|pixel| bounds[pixel].map_or(0.0, |[_, farthest]| -farthest)),
             other: (!explained.is_empty()).then(|| {
@@ -204,6 +194,17 @@ impl Sight {
         [of(&self.sharp), of(self.beside.as_ref().unwrap_or(&self.sharp))]
     }
 
+    /// Returns the thickness of the layer on a known body, at this depth (m) and placed within this tolerance (m), in which another body
+    /// can be taken for it, in metres.
+    ///
+    /// Along a ray, a measurement that fits the known body within its error is at most twice the error and the tolerance before it, or
+    /// before its nearest point in the footprint of the pixel. On a surface inclined by α to the ray, that is a height of at most
+    /// (2 δ + t) sin α + 2 R cos α.
+    pub fn layer_m(&self, depth_m: f64, tolerance_m: f64) -> f64 {
+        let along_m = 2.0 * self.sensor.depth_bound_m(depth_m) + tolerance_m;
+        along_m.hypot(2.0 * self.sharp.detail_per_m * depth_m)
+    }
+
     /// Returns the depth of a point of the planning frame, in metres.
     pub fn depth_m(&self, point: &Point) -> f64 {
         (self.turn * point.coords + self.shift).z
@@ -213,7 +214,7 @@ impl Sight {
     pub fn judge(&self, center: &Point, half_m: f64, is_beside: bool) -> Judgement {
         let Some(image) = self.image(center, half_m) else { return Judgement::Open };
         let [near_m, far_m] = image.depths_m;
-        if far_m <= self.nearest_m {
+        if far_m <= self.sensor.nearest_m {
             return Judgement::Hidden;
         }
         let is_free = |condition: &Condition| {
@@ -222,7 +223,7 @@ impl Sight {
             })
         };
         let beside = self.beside.as_ref().filter(|_| is_beside);
-        if near_m >= self.nearest_m && (is_free(&self.sharp) || beside.is_some_and(is_free)) {
+        if near_m >= self.sensor.nearest_m && (is_free(&self.sharp) || beside.is_some_and(is_free)) {
             return Judgement::Free;
         }
         let Some(rect) = self.rect(&image, 1.0) else { return Judgement::Hidden };
@@ -266,7 +267,7 @@ impl Sight {
         let middle = self.turn * center.coords + self.shift;
         /// Half diagonal of a cube of half side 1, rounded up.
         const DIAGONAL: f64 = 1.732_051;
-        let error_m = self.position_error_m + self.turn_error * (middle.norm() + DIAGONAL * half_m);
+        let error_m = self.sensor.position_error_m + self.turn_error * (middle.norm() + DIAGONAL * half_m);
         let half_m = half_m + error_m;
         let row = |axis: usize| [self.turn[(axis, 0)], self.turn[(axis, 1)], self.turn[(axis, 2)]];
         let along = row(2);
@@ -274,7 +275,7 @@ impl Sight {
         let depths_m = [middle.z - depth_m, middle.z + depth_m];
         if depths_m[0] <= 0.0 {
             let nowhere = [[f64::NAN; 2]; 2];
-            return (depths_m[1] <= self.nearest_m).then_some(Image { depths_m, across_px: nowhere });
+            return (depths_m[1] <= self.sensor.nearest_m).then_some(Image { depths_m, across_px: nowhere });
         }
         let (inverse, nearer) = (1.0 / middle.z, half_m / depths_m[0]);
         let range = |axis: usize| {
