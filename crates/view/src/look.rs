@@ -6,4 +6,5 @@ pub(crate) mod mesh;
 pub(crate) mod paint;
 pub(crate) mod robot_look;
 pub(crate) mod rounded;
+pub(crate) mod seen_look;
 pub(crate) mod stroke;

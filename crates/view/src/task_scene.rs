@@ -2,6 +2,7 @@ use std::collections::HashMap;
 
 use cranny_collision::Body;
 use cranny_scenario::{BodyColours, ObjectType, Scenario};
+use cranny_sense::SeenMap;
 use cranny_shape::TriangleSoup;
 use cranny_spatial::{Point, Pose, Vector};
 use cranny_task::Mode;
@@ -9,6 +10,7 @@ use cranny_task::Mode;
 use crate::course::stance::{Placed, Stance};
 use crate::look::colour::of_score;
 use crate::look::paint::painted;
+use crate::look::seen_look;
 use crate::look::stroke::{small_gripper, tube};
 use crate::scene::{Node, Role, SceneMotion, Track};
 use crate::{Colour, Material, MeshPiece, SampledPath, Scene, ShownMode, ViewError, look::robot_look};
@@ -35,6 +37,11 @@ const CHOSEN: u32 = 0x00e8_3f6f;
 
 /// Colour that darkens the path where it carries the object.
 const DEEP: u32 = 0x0020_1838;
+
+/// Colours of cells with a measured surface and of cells that no camera has seen into, and opacity of the latter.
+const OCCUPIED: u32 = 0x00c9_8f4e;
+const UNSEEN: u32 = 0x0058_6f9c;
+const UNSEEN_OPACITY: f32 = 0.16;
 
 /// Radius of path lines, in metres.
 const PATH_RADIUS_M: f64 = 0.0045;
@@ -63,6 +70,7 @@ impl Scene {
         let objects: Vec<&str> =
             path.iter().flat_map(|path| &path.carries).map(|carry| carry.object.as_str()).collect();
         scene.add_bodies(scenario.world.bodies(), scenario.target, &scenario.colours);
+        scene.add_seen_space(scenario);
         scene.carry(scenario, &objects, &carried);
         scene.add_grasps(scenario, path.and_then(|path| path.grasp), settings.grasps);
         scene.add_gripper_path();
@@ -207,6 +215,23 @@ impl Scene {
                 let parent_from_node = part.world_from_solid;
                 self.nodes.push(Node { name: body.name.clone(), parent: None, parent_from_node, mesh, role });
             }
+        }
+    }
+
+    /// Draws the cells of a map of seen space, instead of the bodies that stand for them: measured surfaces, and the borders of unseen space,
+    /// translucent.
+    fn add_seen_space(&mut self, scenario: &Scenario) {
+        let Some(space) = &scenario.seen else { return };
+        let looks = [(SeenMap::OCCUPIED, OCCUPIED, 1.0), (SeenMap::UNSEEN, UNSEEN, UNSEEN_OPACITY)];
+        for ((name, colour, opacity), soup) in looks.into_iter().zip(seen_look::surfaces(&space.map)) {
+            let bodies = scenario.world.bodies().iter().map(|body| body.name.as_str());
+            let Some(body) = bodies.into_iter().position(|body| body == name) else { continue };
+            self.nodes.retain(|node| node.role != Role::Obstacle(body));
+            let matt = Material::matt(name, Colour::hex(colour));
+            let material = self.material(Material { opacity, roughness: 0.9, ..matt });
+            let mesh = Some(self.mesh(name, vec![MeshPiece::of_soup(&soup, material)]));
+            let (name, parent_from_node) = (name.to_owned(), Pose::identity());
+            self.nodes.push(Node { name, parent: None, parent_from_node, mesh, role: Role::Obstacle(body) });
         }
     }
 
