@@ -41,6 +41,7 @@ impl Scenario {
             physics: BTreeMap::new(),
             export: None,
             seen: None,
+            clouds: Vec::new(),
             ..self.clone()
         })
     }
