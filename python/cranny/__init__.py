@@ -10,8 +10,10 @@ Lengths are in metres, angles in radians, times in seconds; poses are (4, 4) hom
 frame, which is the robot's root frame; a configuration `q` is (dof,), a batch of them (N, dof). Invalid arguments
 raise `TypeError` or `ValueError`; an invalid file or scene raises `CrannyError`, a `ValueError` that states the fault.
 
+`World` updates its obstacles from depth images and point clouds.
+
 `cranny.bench` runs campaigns and reads their results, `cranny.planner` adds your own planner to them, `cranny.ros`
-writes trajectories as ROS 2 messages, `cranny.moveit` answers MoveIt's requests, `cranny.mujoco_grasps` repeats simulated grasps in MuJoCo.
+writes trajectories as ROS 2 messages and reads depth images and clouds, `cranny.moveit` answers MoveIt's requests, `cranny.mujoco_grasps` repeats simulated grasps in MuJoCo.
 """
 
 from cranny import bench, moveit, ros
@@ -20,6 +22,7 @@ from cranny._cranny import (
     Cell,
     Contact,
     CrannyError,
+    DepthView,
     Grasps,
     LivePage,
     Motion,
@@ -30,6 +33,7 @@ from cranny._cranny import (
     Scenario,
     Verification,
     __version__,
+    filter_cloud,
     grasp_experiment,
     licences,
     lift_file_limits,
@@ -44,6 +48,7 @@ from cranny._cranny import (
 )
 from cranny.notebook import View, show
 from cranny.own_planner import Budget, Problem, planner
+from cranny.world import World
 
 __all__ = [
     "Body",
@@ -51,6 +56,7 @@ __all__ = [
     "Cell",
     "Contact",
     "CrannyError",
+    "DepthView",
     "Grasps",
     "LivePage",
     "Motion",
@@ -62,8 +68,10 @@ __all__ = [
     "Scenario",
     "Verification",
     "View",
+    "World",
     "__version__",
     "bench",
+    "filter_cloud",
     "grasp_experiment",
     "licences",
     "lift_file_limits",

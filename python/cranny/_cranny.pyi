@@ -15,6 +15,7 @@ __all__ = [
     "Cell",
     "Contact",
     "CrannyError",
+    "DepthView",
     "Grasps",
     "LivePage",
     "Motion",
@@ -27,12 +28,15 @@ __all__ = [
     "Scenario",
     "Verification",
     "__version__",
+    "_points_of_message",
     "_restored",
     "_restored_contact",
     "_restored_grasps",
     "_restored_motion",
     "_restored_plan",
     "_restored_samples",
+    "_with_views",
+    "filter_cloud",
     "grasp_experiment",
     "licences",
     "lift_file_limits",
@@ -147,6 +151,8 @@ class Body:
     @staticmethod
     def mesh(name: str, mesh: _MeshLike, *, pose: ArrayLike | None = None, hull: bool = False) -> Body: ...
     @staticmethod
+    def cloud(name: str, points: ArrayLike, radius_m: float, *, pose: ArrayLike | None = None) -> Body: ...
+    @staticmethod
     def floor(height: float = 0.0) -> Body: ...
     @property
     def name(self) -> str: ...
@@ -157,6 +163,42 @@ class Body:
     @property
     def poses(self) -> _Floats: ...
     def triangles(self) -> tuple[_Floats, NDArray[np.int64]]: ...
+
+@final
+class DepthView:
+    def __new__(
+        cls,
+        image: ArrayLike,
+        intrinsics: ArrayLike,
+        pose: ArrayLike,
+        *,
+        name: str = "view",
+        scale: float | None = None,
+        depth_error_m: float | None = None,
+        depth_error_share: float | None = None,
+        lateral_error_px: float | None = None,
+        position_error_m: float | None = None,
+        turn_error_deg: float | None = None,
+        nearest_m: float | None = None,
+        farthest_m: float | None = None,
+    ) -> DepthView: ...
+    @staticmethod
+    def load(path: _Path) -> list[DepthView]: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def shape(self) -> tuple[int, int]: ...
+    @property
+    def depths(self) -> NDArray[np.float32]: ...
+    @property
+    def intrinsics(self) -> tuple[float, float, float, float]: ...
+    @property
+    def pose(self) -> _Floats: ...
+    @property
+    def valid(self) -> int: ...
+    @property
+    def dropped(self) -> dict[str, int]: ...
+    def points(self) -> NDArray[np.float32]: ...
 
 @final
 class Contact:
@@ -304,6 +346,8 @@ class Scenario:
     def world(self) -> list[Body]: ...
     @property
     def target(self) -> Body | None: ...
+    @property
+    def seen(self) -> dict[str, Any] | None: ...
     @property
     def start(self) -> _Floats: ...
     @property
@@ -493,6 +537,7 @@ def plan(
     scenario: Scenario | MoveItProblem,
     planner: str | None = None,
     *,
+    start: ArrayLike | None = None,
     seed: int = 0,
     time_limit_s: float = 120.0,
     iterations: int | None = None,
@@ -537,6 +582,18 @@ def verify_path(
     strict_pairs: bool = False,
     any_end: bool = False,
 ) -> Verification: ...
+def filter_cloud(
+    points: ArrayLike,
+    *,
+    pose: ArrayLike | None = None,
+    crop: ArrayLike | None = None,
+    robot: Robot | None = None,
+    q: ArrayLike | None = None,
+    own_margin_m: float | None = None,
+    known: Sequence[Body] | None = None,
+    known_margin_m: float = 0.0,
+    voxel_m: float | None = None,
+) -> tuple[NDArray[np.float32], dict[str, int]]: ...
 def licences() -> str: ...
 def lift_file_limits() -> None: ...
 def planner_names() -> list[str]: ...
@@ -650,6 +707,28 @@ def run_campaign(
     heard: Callable[[int, int, int], None] | None = None,
 ) -> None: ...
 def serve_trials() -> None: ...
+
+# Functions that other modules of the package call.
+def _points_of_message(
+    height: int,
+    width: int,
+    fields: Sequence[tuple[str, int, int, int]],
+    is_bigendian: bool,
+    point_step: int,
+    row_step: int,
+    data: bytes,
+) -> tuple[NDArray[np.float32], int]: ...
+def _with_views(
+    scenario: Scenario,
+    views: Sequence[DepthView],
+    *,
+    unseen: str = "solid",
+    cell_m: float | None = None,
+    region: ArrayLike | None = None,
+    robot_reach_m: float | None = None,
+    floor_reach_m: float | None = None,
+    tolerance_m: float | None = None,
+) -> Scenario: ...
 
 # Functions that pickles call.
 def _restored(function: Callable[..., Any], arguments: tuple[Any, ...], known: int, version: str) -> Any: ...

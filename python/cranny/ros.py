@@ -1,4 +1,5 @@
-"""Trajectories as ROS 2 messages, without ROS: dictionaries and YAML of `trajectory_msgs/JointTrajectory`.
+"""ROS 2 messages without ROS: trajectories as dictionaries and YAML of `trajectory_msgs/JointTrajectory`, and arrays of
+`sensor_msgs/PointCloud2`, `Image` and `CameraInfo` in dictionaries.
 
 >>> import cranny
 >>> message = cranny.ros.joint_trajectory(cranny.plan(cranny.Scenario("021")), rate=50)
@@ -14,7 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cranny._cranny import Plan, Samples
+from cranny._cranny import DepthView, Plan, Samples, _points_of_message
 
 if TYPE_CHECKING:
     import numpy as np
@@ -170,6 +171,137 @@ def positions_of(message: dict[str, Any]) -> tuple[NDArray[np.float64], JointPos
         raise ValueError(f"points[{back[0]}] is at {times[back[0]]} s, before the point that it follows")
     rows = np.array([point["positions"] for point in points], dtype=np.float64).reshape(len(points), len(names))
     return times, JointPositions(names, rows)
+
+
+def points_of(message: dict[str, Any]) -> tuple[NDArray[np.float32], int]:
+    """Points (N, 3) in metres of a `sensor_msgs/PointCloud2`, in the frame of the message, and the number of those that were dropped
+    because a coordinate is not finite. Fields of any type, order and padding; sizes that contradict each other, missing
+    coordinates and a cloud without a valid point raise ValueError."""
+    fields = [
+        (str(field["name"]), int(field["offset"]), int(field["datatype"]), int(field["count"]))
+        for field in _entry(message, "fields", "PointCloud2")
+    ]
+    numbers = [int(_entry(message, key, "PointCloud2")) for key in ("height", "width", "point_step", "row_step")]
+    if any(number < 0 for number in numbers) or any(min(field[1:]) < 0 or field[2] > 255 for field in fields):
+        raise ValueError("PointCloud2: a size or an offset is out of range")
+    height, width, point_step, row_step = numbers
+    is_bigendian = bool(_entry(message, "is_bigendian", "PointCloud2"))
+    data = _bytes(_entry(message, "data", "PointCloud2"), "PointCloud2")
+    try:
+        return _points_of_message(height, width, fields, is_bigendian, point_step, row_step, data)
+    except ValueError as reason:
+        raise ValueError(f"PointCloud2: {reason}") from None
+
+
+DEPTH_ENCODINGS = {"32FC1": "f4", "16UC1": "u2", "mono16": "u2"}
+"""Encodings of depth images, and the types of their pixels: metres in floats, millimetres in whole numbers (REP 118)."""
+
+
+def depth_of(message: dict[str, Any]) -> NDArray[Any]:
+    """Depths (H, W) of a `sensor_msgs/Image`: float32 in metres (`32FC1`) or uint16 in millimetres (`16UC1`, `mono16`), as
+    `cranny.World.from_depth` reads them. Rows may be padded, and the bytes in either order; another encoding or data of another
+    size raises ValueError."""
+    import numpy as np
+
+    height, width, step = (int(_entry(message, key, "Image")) for key in ("height", "width", "step"))
+    encoding = _entry(message, "encoding", "Image")
+    if encoding not in DEPTH_ENCODINGS:
+        known = ", ".join(DEPTH_ENCODINGS)
+        raise ValueError(f"Image: the encoding is '{encoding}', but depths have one of {known}")
+    kind = np.dtype(DEPTH_ENCODINGS[encoding]).newbyteorder(">" if _entry(message, "is_bigendian", "Image") else "<")
+    data = _bytes(_entry(message, "data", "Image"), "Image")
+    if height < 1 or width < 1 or step < width * kind.itemsize or len(data) != height * step:
+        raise ValueError(
+            f"Image: {height} rows of {step} bytes are announced for {width} pixels of {kind.itemsize} bytes, but the data has "
+            f"{len(data)} bytes"
+        )
+    rows = np.frombuffer(data, dtype=np.uint8).reshape(height, step)[:, : width * kind.itemsize]
+    return np.ascontiguousarray(rows).view(kind).astype(kind.newbyteorder("="))
+
+
+def intrinsics_of(message: dict[str, Any], *, rectified: bool = False) -> NDArray[np.float64]:
+    """Camera matrix (3, 3) of a `sensor_msgs/CameraInfo` (keys of ROS 2 or 1): `k`, or with `rectified`, for images of which
+    `image_proc` has removed the distortion, the left part of `p`. The image of a region of interest has the principal point of
+    that region.
+
+    ValueError for a camera with distortion unless `rectified`, one that is not calibrated, or binning, after which drivers differ
+    in the centres of the pixels."""
+    import numpy as np
+
+    def entry(name: str) -> Any:
+        return _entry(message, name if name in message or name.upper() not in message else name.upper(), "CameraInfo")
+
+    distortion = np.asarray(entry("d"), dtype=np.float64)
+    if not rectified and distortion.any():
+        raise ValueError(
+            f"CameraInfo: the camera has distortion (d = {distortion.tolist()}), and a depth image of it is no pinhole's: rectify "
+            "the images (image_proc) and give rectified=True"
+        )
+    width, height = (int(entry(key)) for key in ("width", "height"))
+    if any(int(message.get(f"binning_{axis}", 0)) > 1 for axis in "xy"):
+        raise ValueError("CameraInfo: the image is binned; give the intrinsics of the binned image instead")
+    matrix = np.asarray(entry("p" if rectified else "k"), dtype=np.float64)
+    if matrix.size != (12 if rectified else 9):
+        raise ValueError(f"CameraInfo: a matrix has {matrix.size} numbers, but {12 if rectified else 9} are expected")
+    matrix = matrix.reshape(3, -1)[:, :3].copy()
+    if not (matrix[0, 0] > 0.0 and matrix[1, 1] > 0.0):
+        raise ValueError(f"CameraInfo: the focal lengths are {matrix[0, 0]} and {matrix[1, 1]}: the camera is not calibrated")
+    left, top, wide, high = _region(message, width, height)
+    if left < 0 or top < 0 or left + wide > width or top + high > height:
+        raise ValueError(f"CameraInfo: the region of interest is not within the image of {width} × {height} pixels")
+    matrix[0, 2] -= left
+    matrix[1, 2] -= top
+    return matrix
+
+
+def depth_view(
+    image: dict[str, Any],
+    info: dict[str, Any],
+    pose: ArrayLike,
+    *,
+    rectified: bool = False,
+    name: str = "view",
+    scale: float | None = None,
+    **sensor: float,
+) -> DepthView:
+    """View of a `sensor_msgs/Image` of depths with its `CameraInfo`, for `cranny.World`. `pose`: `world_from_camera`, (4, 4), of the
+    optical frame that both messages name; look it up with `tf2` at the stamp of the image. `rectified`: as in `intrinsics_of`;
+    the other keywords: those of DepthView. ValueError if the messages differ in their sizes or frames."""
+    depth = depth_of(image)
+    _, _, width, height = _region(info, int(_entry(info, "width", "CameraInfo")), int(_entry(info, "height", "CameraInfo")))
+    if depth.shape != (height, width):
+        raise ValueError(
+            f"the image has {depth.shape[1]} × {depth.shape[0]} pixels, but its CameraInfo is for {width} × {height}"
+        )
+    frames = [message.get("header", {}).get("frame_id", "") for message in (image, info)]
+    if frames[0] != frames[1]:
+        raise ValueError(f"the image is in the frame '{frames[0]}', but its CameraInfo in '{frames[1]}'")
+    matrix = intrinsics_of(info, rectified=rectified)
+    return DepthView(depth, matrix, pose, name=name, scale=scale, **sensor)
+
+
+def _region(info: dict[str, Any], width: int, height: int) -> tuple[int, int, int, int]:
+    """Offset and size of the image in the whole one: all of it unless a region of interest is stated."""
+    roi = info.get("roi") or {}
+    left, top, wide, high = (int(roi.get(key, 0)) for key in ("x_offset", "y_offset", "width", "height"))
+    return left, top, wide or width, high or height
+
+
+def _entry(message: dict[str, Any], key: str, kind: str) -> Any:
+    try:
+        return message[key]
+    except KeyError:
+        raise ValueError(f"{kind}: there is no '{key}' in the message") from None
+
+
+def _bytes(data: Any, kind: str) -> bytes:
+    """Bytes of an array of `uint8` in a dictionary: bytes, a NumPy array or a list of numbers."""
+    if isinstance(data, int) or getattr(data, "itemsize", 1) != 1:
+        raise ValueError(f"{kind}: the data is no list of bytes")
+    try:
+        return bytes(data)
+    except (TypeError, ValueError) as reason:
+        raise ValueError(f"{kind}: the data is no list of bytes ({reason})") from None
 
 
 def yaml_text(message: dict[str, Any]) -> str:

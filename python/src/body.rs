@@ -3,15 +3,16 @@
 use std::collections::HashSet;
 
 use cranny_collision::{Body, Part};
-use cranny_shape::{Outline, Solid, TriangleSoup};
+use cranny_shape::{BoxUnion, Outline, Solid, TriangleSoup};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict, PyTuple};
 
 use crate::classes::PyBody;
-use crate::handover::array::{copied, matrices, pose_or_translation, triangles, vector};
+use crate::handover::array::{copied, matrices, pose_or_translation, shaped, triangles, vector};
 use crate::handover::fault::{bad_value, fault};
 use crate::handover::pickled::{Made, Reduced, partial};
+use crate::sensing::cloud::points_of;
 
 /// Returns a name that two of the bodies share, if any.
 pub fn named_twice(bodies: &[Body]) -> Option<&str> {
@@ -96,6 +97,25 @@ impl PyBody {
         Self::of(name, solid.map_err(fault)?, pose, made)
     }
 
+    /// Cloud: a ball of `radius_m` (m) around each of the `points` (N, 3), in metres. The radius must cover the noise and the gaps: at
+    /// least half of the diagonal between neighbouring points. Points with a coordinate that is not finite are dropped;
+    /// `filter_cloud` counts them.
+    #[staticmethod]
+    #[pyo3(signature = (name, points, radius_m, *, pose=None))]
+    fn cloud<'py>(
+        py: Python<'py>,
+        name: String,
+        points: &Bound<'py, PyAny>,
+        radius_m: f64,
+        pose: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let read = points_of(points)?;
+        let union = py.detach(|| BoxUnion::of_points(&read.cloud.points, radius_m)).map_err(fault)?;
+        let kept = shaped(py, read.cloud.points.as_flattened().to_vec(), &[read.cloud.points.len(), 3])?;
+        let made = Self::made(py, "cloud", (&name, kept, radius_m), None, pose)?;
+        Self::of(name, Solid::union(union), pose, made)
+    }
+
     /// Floor: everything below `height` (m) in the planning frame. Its name is "floor".
     #[staticmethod]
     #[pyo3(signature = (height=0.0))]
@@ -115,7 +135,8 @@ impl PyBody {
         &self.body.name
     }
 
-    /// Kind of each of its solids: "box", "sphere", "cylinder", "capsule", "floor" or "mesh" (also for a hull).
+    /// Kind of each of its solids: "box", "sphere", "cylinder", "capsule", "floor", "union" (a cloud, cells of a map) or "mesh" (also for
+    /// a hull).
     #[getter]
     fn kinds(&self) -> Vec<&'static str> {
         self.body.parts.iter().map(|part| kind(&part.solid)).collect()
@@ -199,10 +220,7 @@ fn arrays<'py>(py: Python<'py>, soup: &TriangleSoup) -> PyResult<Triangles<'py>>
     let vertices: Vec<f64> = soup.vertices.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
     let faces: Vec<i64> = soup.triangles.iter().flatten().map(|corner| i64::from(*corner)).collect();
     let (v, f) = (soup.vertices.len(), soup.triangles.len());
-    Ok((
-        crate::handover::array::shaped(py, vertices, &[v, 3])?,
-        crate::handover::array::shaped(py, faces, &[f, 3])?,
-    ))
+    Ok((shaped(py, vertices, &[v, 3])?, shaped(py, faces, &[f, 3])?))
 }
 
 fn kind(solid: &Solid) -> &'static str {

@@ -25,14 +25,14 @@ mod fingerprint;
 mod grasping;
 mod handover;
 mod live_page;
-mod moveit_planner;
-mod moveit_problem;
+mod moveit;
 mod picture;
 mod plan;
 mod planning;
 mod results;
 mod robot;
 mod scenario;
+mod sensing;
 mod task;
 mod trajectory;
 mod verification;
@@ -69,7 +69,7 @@ mod _cranny {
     #[pymodule_export]
     use crate::live_page::PyLivePage;
     #[pymodule_export]
-    use crate::moveit_planner::PyMoveItPlanner;
+    use crate::moveit::planner::PyMoveItPlanner;
     #[pymodule_export]
     use crate::picture::{moving_picture, page, picture};
     #[pymodule_export]
@@ -80,6 +80,12 @@ mod _cranny {
     use crate::results::PyResultsFile;
     #[pymodule_export]
     use crate::scenario::scenario_ids;
+    #[pymodule_export]
+    use crate::sensing::cloud::{filter_cloud, points_of_message};
+    #[pymodule_export]
+    use crate::sensing::depth_view::PyDepthView;
+    #[pymodule_export]
+    use crate::sensing::seen::with_views;
     #[pymodule_export]
     use crate::trajectory::{PySamples, restored_samples};
     #[pymodule_export]

@@ -94,6 +94,8 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 
 /// Plans `scenario` (a Scenario or a MoveItProblem) and returns a Plan, which is true if a path was found and verified.
 ///
+/// `start`: configuration (dof,) in which the path begins, such as the robot's current one, instead of the scenario's start.
+///
 /// `planner`: one of `planner_names()`; None: the best for the criterion. `settings`: values that differ from its defaults. The
 /// same `seed` and `iterations` give the same way points on every machine; `time_limit_s` (s) may only end the search earlier.
 ///
@@ -143,7 +145,7 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
 ///
 /// If no path is found within the budget, no exception is raised: see `plan.outcome`. Ctrl-C stops the search at once.
 #[pyfunction]
-#[pyo3(signature = (scenario, planner=None, *, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
+#[pyo3(signature = (scenario, planner=None, *, start=None, seed=0, time_limit_s=120.0, iterations=None, margin_m=0.0,
     grasp_margin_m=None, strict_pairs=false, settings=None, goal_threshold=None, shortcut=true, optimise_s=None,
     cost=None, score_weight=1.0, jerk_limited=None, blend=true, speed=None,
     acceleration=None, tool_speed_m_s=None, turn_speed_deg_s=None, torque=false, upright_deg=None, score=None, min_score=None,
@@ -153,9 +155,10 @@ pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
     clippy::fn_params_excessive_bools,
     reason = "the keywords of the Python function"
 )]
-pub fn plan(
-    scenario: &Bound<'_, PyAny>,
+pub fn plan<'py>(
+    scenario: &Bound<'py, PyAny>,
     planner: Option<&str>,
+    start: Option<&Bound<'py, PyAny>>,
     #[pyo3(from_py_with = whole::seed)] seed: u64,
     time_limit_s: f64,
     #[pyo3(from_py_with = whole::iterations)] iterations: Option<u64>,
@@ -192,6 +195,10 @@ pub fn plan(
     watch: Option<&Bound<'_, PyLivePage>>,
 ) -> PyResult<PyPlan> {
     let py = scenario.py();
+    let scenario = &match start {
+        Some(start) => started(scenario, start)?,
+        None => scenario.clone(),
+    };
     let robust = robust.map(radius_of).transpose()?;
     let is_exact = scenario
         .cast::<PyScenario>()
@@ -292,6 +299,12 @@ pub fn plan(
         py.detach(|| page.show_with_tree(&plan, watched.end()))?;
     }
     Ok(plan)
+}
+
+/// Returns a scenario with this start.
+fn started<'py>(scenario: &Bound<'py, PyAny>, start: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let scenario = scenario.cast::<PyScenario>().map_err(|_| bad_value("start needs a Scenario"))?;
+    Ok(Bound::new(scenario.py(), PyScenario::with_start(scenario, start)?)?.into_any())
 }
 
 /// Observer that stops a search on Ctrl-C, and updates a page that watches it.

@@ -26,6 +26,7 @@ use crate::handover::names::{criterion_of, geometry_of};
 use crate::handover::pickled::{Made, Reduced, absolute};
 use crate::handover::whole;
 use crate::picture::picture;
+use crate::sensing::seen_summary::SeenSummary;
 
 #[pymethods]
 impl PyScenario {
@@ -204,6 +205,13 @@ impl PyScenario {
         self.scenario.target.map(|target| PyBody::of_scene(&self.scenario.world.bodies()[target]))
     }
 
+    /// Space that cameras have seen, if the obstacles are a map of it: a dictionary of its "region" (m), "free_m3", the diameter of
+    /// details that can be missed ("detail_m"), a "statement" of all that is assumed, …; else None.
+    #[getter]
+    fn seen<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &SeenSummary::of(&self.scenario))
+    }
+
     /// Start configuration, (dof,), m or rad.
     #[getter]
     fn start<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
@@ -349,7 +357,7 @@ impl PyScenario {
     }
 
     /// Returns the scenario with another start, (dof,).
-    fn with_start<'py>(slf: &Bound<'py, Self>, start: &Bound<'py, PyAny>) -> PyResult<Self> {
+    pub fn with_start<'py>(slf: &Bound<'py, Self>, start: &Bound<'py, PyAny>) -> PyResult<Self> {
         let values = configuration(start, "start", &slf.get().scenario.robot)?;
         let scenario = slf.get().scenario.with_start(values).map_err(fault)?;
         Self::altered(slf, scenario, ("with_start", copied(start)?))
@@ -448,7 +456,8 @@ impl PyScenario {
         Ok(Self { made: Made::by_method(own, method, None)?, ..Self::with(own, scenario) })
     }
 
-    fn with(own: &Bound<'_, Self>, scenario: Scenario) -> Self {
+    /// Wraps a scenario that was made from `own`.
+    pub fn with(own: &Bound<'_, Self>, scenario: Scenario) -> Self {
         let own = own.get();
         let (robot_file, geometry) = (own.robot_file.clone(), own.geometry);
         // Grasps that were passed as arrays have no file.

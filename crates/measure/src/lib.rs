@@ -1,3 +1,4 @@
 #![doc = include_str!("../README.md")]
 
+pub mod clouds;
 pub mod motion_bench_maker;

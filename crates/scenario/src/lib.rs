@@ -2,6 +2,7 @@
 
 mod alteration;
 mod catalogue;
+mod cloud_obstacle;
 mod doubts;
 mod error;
 mod family;
@@ -20,6 +21,7 @@ mod sensing;
 mod stated_speed;
 
 pub use catalogue::{BuiltInTask, CatalogueEntry, built_in, catalogue, insertions, sequences};
+pub use cloud_obstacle::CloudCounts;
 pub use doubts::{brief_model_notes, model_notes, seen_only_links, wide_opening};
 pub use error::ScenarioError;
 pub use family::error::FamilyError;

@@ -12,8 +12,8 @@ use strum::{EnumString, IntoStaticStr};
 
 use crate::robot::hand;
 use crate::{
-    DEFAULT_FRICTION, GivenGrasps, NamedTask, ObjectSource, RobotSource, ScenarioError, SeenSpace,
-    StatedSpeed, TargetPhysics,
+    CloudCounts, DEFAULT_FRICTION, GivenGrasps, NamedTask, ObjectSource, RobotSource, ScenarioError,
+    SeenSpace, StatedSpeed, TargetPhysics,
 };
 
 /// Colours of bodies by name, one for each part: red, green and blue, 0 to 1, sRGB; `None` for a part without one. Bodies without
@@ -65,6 +65,8 @@ pub struct Scenario {
     pub export: Option<Surface>,
     /// Space that cameras have seen, if the obstacles are a map of it.
     pub seen: Option<SeenSpace>,
+    /// Numbers of points of the clouds that its files name as obstacles, in their order.
+    pub clouds: Vec<CloudCounts>,
 }
 
 /// Options that complete or override the files of a scenario.
@@ -126,6 +128,7 @@ impl Scenario {
             speeds: Vec::new(),
             export: None,
             seen: None,
+            clouds: Vec::new(),
         }
     }
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use cranny_scenario::{OpenOptions, Scenario};
+use cranny_scenario::{CloudCounts, OpenOptions, Scenario};
 use cranny_sense::PointCloud;
 use cranny_spatial::Point;
 
@@ -51,6 +51,43 @@ fn a_cloud_is_a_ball_around_each_point_at_its_pose() {
 }
 
 #[test]
+fn a_cloud_alone_is_an_obstacle_with_the_name_of_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let long = open(folder.path(), &obstacle("file: shelf.pcd, radius_m: 0.004, voxel_m: 0.01")).unwrap();
+    let short = "{pose: {position: [0, 0, 0.1]}, cloud: shelf.pcd, radius_m: 0.004, voxel_m: 0.01}";
+    let second = "{name: other, cloud: shelf.pcd, radius_m: 0.002}";
+    let short = open(folder.path(), &format!("obstacles:\n  - {short}\n  - {second}\n")).unwrap();
+    let names: Vec<&str> = short.world.bodies().iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(names, ["shelf", "other", "can", "floor"]);
+    let part = |scenario: &Scenario| scenario.world.bodies()[0].parts[0].clone();
+    let boxes = |scenario: &Scenario| part(scenario).solid.as_union().unwrap().boxes().collect::<Vec<_>>();
+    assert_eq!(part(&short).world_from_solid, part(&long).world_from_solid);
+    assert_eq!(boxes(&short), boxes(&long));
+    assert_eq!(short.clouds[0], long.clouds[0]);
+    assert_eq!((short.clouds[1].thinned, short.clouds[1].kept), (0, 3));
+}
+
+#[test]
+fn points_that_are_left_out_are_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    open(folder.path(), "").unwrap();
+    let mut points = POINTS.to_vec();
+    points.extend([[f32::NAN, 0.0, 0.0], [0.0, f32::INFINITY, 0.0]]);
+    fs::write(folder.path().join("holes.pcd"), PointCloud::of(points).pcd_bytes()).unwrap();
+    let scenario =
+        open(folder.path(), "obstacles: [{cloud: holes.pcd, radius_m: 0.004, voxel_m: 0.01}]").unwrap();
+    let expected = CloudCounts {
+        body: "holes".to_owned(),
+        file: "holes.pcd".to_owned(),
+        points: 5,
+        not_finite: 2,
+        thinned: 1,
+        kept: 2,
+    };
+    assert_eq!(scenario.clouds, [expected]);
+}
+
+#[test]
 fn clouds_that_are_no_obstacles_are_refused_with_their_line() {
     let folder = tempfile::tempdir().unwrap();
     for (text, words) in [
@@ -64,6 +101,19 @@ fn clouds_that_are_no_obstacles_are_refused_with_their_line() {
             obstacle("file: shelf.pcd, radius_m: 0.004, voxel_m: -1"),
             "the side of a voxel, in metres, of a filter must be positive",
         ),
+        ("obstacles: [{cloud: shelf.pcd}]\n".to_owned(), "scenario.yaml:6: missing field `radius_m`"),
+        ("obstacles: [{name: a}]\n".to_owned(), "scenario.yaml:6: missing field `shapes`"),
+        ("obstacles: [{shapes: []}]\n".to_owned(), "scenario.yaml:6: missing field `name`"),
+        (
+            "obstacles: [{name: a, shapes: [], radius_m: 0.1}]\n".to_owned(),
+            "scenario.yaml:6: `radius_m` and `voxel_m` of a body need `cloud: FILE`",
+        ),
+        (
+            "obstacles: [{name: a, shapes: [], cloud: shelf.pcd, radius_m: 0.1}]\n".to_owned(),
+            "scenario.yaml:6: a body has either `shapes` or a `cloud`",
+        ),
+        ("obstacles: [{cloud: lost.pcd, radius_m: 0.004}]\n".to_owned(), "scenario.yaml:6: "),
+        ("obstacles: [{cloud: shelf.pcd, radius_m: 0.004, side: 1}]\n".to_owned(), "side"),
     ] {
         let fault = open(folder.path(), &text).unwrap_err();
         assert!(fault.contains(words), "no '{words}' in: {fault}");

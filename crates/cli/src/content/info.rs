@@ -1,6 +1,7 @@
 use std::fmt::Write;
 
 use cranny_file::counted;
+use cranny_scenario::CloudCounts;
 use cranny_task::NotChecked;
 use serde::Serialize;
 
@@ -20,6 +21,8 @@ struct Info {
     start_clearance_m: Option<f64>,
     start_faults: Vec<String>,
     bodies: Vec<Body>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    clouds: Vec<CloudCounts>,
     target: Option<String>,
     places: Vec<String>,
     regions: Vec<String>,
@@ -54,6 +57,7 @@ pub fn run(arguments: &TaskArguments, output: Output) -> Result<Answer, Failure>
             .iter()
             .map(|body| Body { name: body.name.clone(), parts: body.parts.len() })
             .collect(),
+        clouds: scenario.clouds.clone(),
         target: scenario.target.map(|target| world.bodies()[target].name.clone()),
         places: scenario.places.iter().map(|place| place.name.clone()).collect(),
         regions: scenario.regions.keys().cloned().collect(),
@@ -85,6 +89,14 @@ fn page(info: &Info) -> String {
         let name = if index == 0 { "bodies" } else { "" };
         let role = if info.target.as_ref() == Some(&body.name) { "  (target)" } else { "" };
         line(name, format!("{} ({}){role}", body.name, counted(body.parts, "part")));
+    }
+    for CloudCounts { body, file, points, not_finite, thinned, kept } in &info.clouds {
+        line(
+            "cloud",
+            format!(
+                "{body}: {kept} of {points} points of {file} ({not_finite} not finite, {thinned} in the voxel of another)"
+            ),
+        );
     }
     for (index, place) in info.places.iter().enumerate() {
         line(if index == 0 { "places" } else { "" }, place.clone());

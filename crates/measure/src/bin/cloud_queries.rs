@@ -1,10 +1,12 @@
 //! Times the queries of a cloud of points: `cargo run --release -p cranny-measure --bin cloud_queries`.
 //!
 //! The points lie on the walls of a room of random boxes, as a depth camera sees them. A query asks whether a ball, of the size of
-//! the balls of a robot (1 to 8 cm), meets a point. "free" and "hit" are the queries with these answers.
+//! the balls of a robot (1 to 8 cm), meets a point. "free" and "hit" are the queries with these answers. The last lines are the filter of
+//! 10⁵ points by voxels.
 
 use std::time::Instant;
 
+use cranny_sense::PointCloud;
 use cranny_shape::BoxUnion;
 use cranny_spatial::{Stream, simd_level};
 use fearless_simd::dispatch;
@@ -44,6 +46,18 @@ fn main() {
         });
         let share = 100 * is_hit.iter().filter(|hit| **hit).count() / is_hit.len();
         println!("{count:>9} {build_ms:>10.2} {share:>7}% | {all:>9.1} {free:>9.1} {hit:>9.1}");
+    }
+    let mut random = Stream::new(1, 0);
+    let cloud = PointCloud::of((0..100_000).map(|_| on_a_box(&mut random)).collect());
+    for side_m in [0.002, 0.005, 0.01, 0.02, 0.05] {
+        let (mut least_ms, mut kept) = (f64::INFINITY, 0);
+        for _ in 0..21 {
+            let begin = Instant::now();
+            let thinned = cloud.thinned(side_m);
+            least_ms = least_ms.min(begin.elapsed().as_secs_f64() * 1e3);
+            kept = thinned.map_or(0, |thinned| thinned.points.len());
+        }
+        println!("100000 points, voxels of {side_m} m: {least_ms:.2} ms, {kept} kept");
     }
 }
 

@@ -6,21 +6,22 @@ use cranny_collision::{Body, Part, World};
 use cranny_file::{TABLE, TEXT, did_you_mean};
 use cranny_grasp::{GraspError, GraspSet, parse_csv};
 use cranny_robot::{JointGroup, Location, Robot, RobotOptions, TextSource};
-use cranny_sense::{PointCloud, View, Views};
-use cranny_shape::{BoxUnion, ShapeError, Solid, TriangleSoup};
+use cranny_sense::{View, Views};
+use cranny_shape::{ShapeError, Solid, TriangleSoup};
 use cranny_spatial::{EXACT_ROTATION_RAD, Pose, Rotation, Vector};
 use cranny_task::{PlaceGoal, PlaceRegion};
 use serde_saphyr::Spanned;
 
+use crate::cloud_obstacle::cloud_obstacle;
 use crate::files::{number_table, sizes, yaml};
 use crate::layout::own_file::{
-    BodyEntry, CloudEntry, MeshEntry, PlaceEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry,
+    BodyEntry, MeshEntry, PlaceEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry,
 };
 use crate::robot::file;
 use crate::scenario::in_frame;
 use crate::{
-    BodyColours, BuiltinRobot, OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, RobotSource, Scenario,
-    ScenarioError, TargetPhysics, scenario,
+    BodyColours, BuiltinRobot, CloudCounts, OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, RobotSource,
+    Scenario, ScenarioError, TargetPhysics, scenario,
 };
 
 /// File that identifies a folder as a scenario in Cranny's layout.
@@ -81,11 +82,13 @@ pub(crate) fn open_texts(
     let planning_from_scene = layout.pose(file.frame.as_ref())?.inverse();
 
     let mut colours = BodyColours::new();
-    let mut bodies: Vec<Body> = Vec::new();
+    let (mut bodies, mut clouds): (Vec<Body>, Vec<CloudCounts>) = (Vec::new(), Vec::new());
     let mut names = HashSet::new();
     for entry in &file.obstacles {
         layout.check_name(entry, &mut names)?;
-        bodies.push(layout.body(entry, &planning_from_scene, Solid::mesh_with_small_holes)?.0);
+        let read = layout.body(entry, &planning_from_scene, Solid::mesh_with_small_holes)?;
+        bodies.push(read.body);
+        clouds.extend(read.clouds);
         layout.add_colours(entry, &mut colours)?;
     }
     let (mut target_source, mut given_physics) = (None, TargetPhysics::default());
@@ -93,10 +96,10 @@ pub(crate) fn open_texts(
         layout.check_name(entry, &mut names)?;
         layout.refuse_cloud(entry)?;
         given_physics = layout.physics_of(entry)?;
-        let (body, source) = layout.body(entry, &planning_from_scene, Solid::mesh)?;
-        target_source = source;
+        let read = layout.body(entry, &planning_from_scene, Solid::mesh)?;
+        target_source = read.source;
         layout.add_colours(entry, &mut colours)?;
-        bodies.push(body);
+        bodies.push(read.body);
     }
     let target = file.target.as_ref().map(|_| bodies.len() - 1);
     if let Some(height) = &file.floor {
@@ -149,6 +152,7 @@ pub(crate) fn open_texts(
             .collect(),
         export: None,
         seen: None,
+        clouds,
     }
     .on_its_ground(options)?
     .with_checked_start(&layout.at(file.start.referenced).to_string())?;
@@ -162,6 +166,18 @@ pub(crate) const FLOOR: &str = "floor";
 
 /// Function that makes a solid of a mesh file: [`Solid::mesh`] for a target, [`Solid::mesh_with_small_holes`] for an obstacle.
 pub(crate) type SolidOfMesh = fn(&TriangleSoup) -> Result<Solid, ShapeError>;
+
+/// Body as read.
+pub(crate) struct ReadBody {
+    pub body: Body,
+    /// Its object, if it is a single one.
+    pub source: Option<ObjectSource>,
+    /// Numbers of points of its clouds.
+    pub clouds: Vec<CloudCounts>,
+}
+
+/// Solid of a shape as read: with its object, if it is one, or the numbers of points of its cloud.
+type ReadShape = (Solid, Option<ObjectSource>, Option<CloudCounts>);
 
 /// Folder that is read, and file that errors name.
 pub(crate) struct Layout<'a> {
@@ -266,28 +282,29 @@ impl Layout<'_> {
         Ok(degrees.min(180.0).to_radians())
     }
 
-    /// Returns the body, and its object if it is a single one. A target must be closed; an obstacle may have small holes.
+    /// Returns the body. A target must be closed; an obstacle may have small holes.
     pub fn body(
         &self,
         entry: &BodyEntry,
         planning_from_scene: &Pose,
         mesh: SolidOfMesh,
-    ) -> Result<(Body, Option<ObjectSource>), ScenarioError> {
+    ) -> Result<ReadBody, ScenarioError> {
         let planning_from_body = planning_from_scene * self.pose(entry.pose.as_ref())?;
         let name = &entry.name.value;
-        let (mut parts, mut sources) = (Vec::new(), Vec::new());
+        let (mut parts, mut sources, mut clouds) = (Vec::new(), Vec::new(), Vec::new());
         for shape in &entry.shapes {
             let world_from_solid = planning_from_body * self.pose(shape.value.pose.as_ref())?;
-            let (solid, source) = self.solid(shape, name, mesh)?;
+            let (solid, source, counts) = self.solid(shape, name, mesh)?;
             parts.push(Part { world_from_solid, solid });
             sources.push(source);
+            clouds.extend(counts);
         }
         if parts.is_empty() {
             return Err(ScenarioError::ShapeCount { at: self.at(entry.name.referenced), actual: 0 });
         }
         let source = if sources.len() == 1 { sources.pop().flatten() } else { None };
         let tilt_rad = entry.upright_deg.as_ref().map(|degrees| self.upright(degrees)).transpose()?;
-        Ok((Body { name: name.clone(), parts, tilt_rad }, source))
+        Ok(ReadBody { body: Body { name: name.clone(), parts, tilt_rad }, source, clouds })
     }
 
     /// Returns the place goals of the target.
@@ -412,13 +429,13 @@ impl Layout<'_> {
         Ok(Pose::from_parts(Vector::from(entry.position).into(), rotation))
     }
 
-    /// Returns the solid of a shape, and its object if it is one.
+    /// Returns the solid of a shape.
     fn solid(
         &self,
         shape: &Spanned<ShapeEntry>,
         body: &str,
         of_mesh: SolidOfMesh,
-    ) -> Result<(Solid, Option<ObjectSource>), ScenarioError> {
+    ) -> Result<ReadShape, ScenarioError> {
         let ShapeEntry { cuboid, sphere, cylinder, capsule, mesh, hull, object, cloud, .. } = &shape.value;
         let at = self.at(shape.referenced);
         let mut solids: Vec<Result<Solid, ShapeError>> = Vec::new();
@@ -433,12 +450,14 @@ impl Layout<'_> {
         if let Some(source) = &source {
             solids.push(Ok(source.solid().map_err(in_file)?));
         }
-        if let Some(entry) = cloud {
-            solids.push(Ok(self.cloud(entry).map_err(in_file)?));
-        }
+        let cloud = cloud
+            .as_ref()
+            .map(|entry| cloud_obstacle(&self.folder.join(&entry.file), entry.radius_m, entry.voxel_m, body));
+        let (cloud, counts) = cloud.transpose().map_err(in_file)?.unzip();
+        solids.extend(cloud.map(Ok));
         match (solids.pop(), solids.len()) {
             (Some(solid), 0) => match solid {
-                Ok(solid) => Ok((solid, source)),
+                Ok(solid) => Ok((solid, source, counts)),
                 Err(reason) => Err(ScenarioError::Shape { at, body: body.to_owned(), reason }),
             },
             (last, others) => {
@@ -454,21 +473,6 @@ impl Layout<'_> {
             return Ok(ObjectType::read_folder(&folder)?.into());
         }
         ObjectSource::builtin(name)
-    }
-
-    /// Returns the balls around the points of a cloud. If voxels leave points out, the others cover them.
-    fn cloud(&self, entry: &CloudEntry) -> Result<Solid, ScenarioError> {
-        let CloudEntry { file, radius_m, voxel_m } = entry;
-        let path = self.folder.join(file);
-        let cloud = PointCloud::read(&path)?.cloud;
-        let union = match voxel_m {
-            Some(side_m) => {
-                let diagonal_m = 3_f64.sqrt() * side_m;
-                BoxUnion::of_points(&cloud.thinned(*side_m)?.points, radius_m + diagonal_m)
-            }
-            None => BoxUnion::of_points(&cloud.points, *radius_m),
-        };
-        Ok(Solid::union(union.map_err(|fault| fault.in_file(&path))?))
     }
 
     /// Refuses a cloud as the target: it has no surface to grasp.

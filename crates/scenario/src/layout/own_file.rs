@@ -7,7 +7,8 @@ use std::path::PathBuf;
 
 use cranny_task::{AfterPlacing, Criterion, Region, Stage};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{MapAccess, SeqAccess, Visitor};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_saphyr::Spanned;
 
@@ -120,28 +121,114 @@ pub(crate) struct AboutEntry {
     pub citation: Option<String>,
 }
 
-/// Obstacle or target.
+/// Obstacle or target: its shapes, or the file of a cloud alone.
+pub(crate) struct BodyEntry {
+    pub name: Spanned<String>,
+    pub pose: Option<Spanned<PoseEntry>>,
+    pub shapes: Vec<Spanned<ShapeEntry>>,
+    pub mass_kg: Option<Spanned<f64>>,
+    pub friction: Option<Spanned<f64>>,
+    pub rolling_m: Option<Spanned<f64>>,
+    pub upright_deg: Option<Spanned<f64>>,
+}
+
+/// Keys of an obstacle or the target: `name` and `shapes`, or `cloud` and `radius_m`.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct BodyEntry {
-    #[schemars(with = "String")]
-    pub name: Spanned<String>,
+#[schemars(extend("anyOf" = [{ "required": ["name", "shapes"] }, { "required": ["cloud", "radius_m"] }]))]
+struct BodyKeys {
+    /// Name. Default for a cloud: the name of its file, without its ending.
+    #[schemars(with = "Option<String>")]
+    name: Option<Spanned<String>>,
     #[schemars(with = "Option<PoseEntry>")]
-    pub pose: Option<Spanned<PoseEntry>>,
-    #[schemars(with = "Vec<ShapeEntry>")]
-    pub shapes: Vec<Spanned<ShapeEntry>>,
+    pose: Option<Spanned<PoseEntry>>,
+    #[schemars(with = "Option<Vec<ShapeEntry>>")]
+    shapes: Option<Vec<Spanned<ShapeEntry>>>,
+    /// Point cloud of a file (PLY, PCD or `NumPy` array), instead of shapes; for obstacles only.
+    #[schemars(with = "Option<PathBuf>")]
+    cloud: Option<Spanned<PathBuf>>,
+    /// Radius of the ball around each point of the cloud.
+    radius_m: Option<f64>,
+    /// Side of voxels of which one point of the cloud each is kept; their diagonal is added to the radius.
+    voxel_m: Option<f64>,
     /// Mass (kg), which takes precedence over that of its object; positive.
     #[schemars(with = "Option<f64>")]
-    pub mass_kg: Option<Spanned<f64>>,
+    mass_kg: Option<Spanned<f64>>,
     /// Coefficient of friction between it and the pads of a gripper, which takes precedence over that of its object; positive.
     #[schemars(with = "Option<f64>")]
-    pub friction: Option<Spanned<f64>>,
+    friction: Option<Spanned<f64>>,
     /// Rolling resistance on its support (m): the lever arm on which the normal force stops a rotation; at least 0.
     #[schemars(with = "Option<f64>")]
-    pub rolling_m: Option<Spanned<f64>>,
+    rolling_m: Option<Spanned<f64>>,
     /// Maximum tilt in the hand relative to its orientation when grasped, in degrees; above 0, at most 180.
     #[schemars(with = "Option<f64>")]
-    pub upright_deg: Option<Spanned<f64>>,
+    upright_deg: Option<Spanned<f64>>,
+}
+
+impl BodyEntry {
+    fn of<E: Error>(keys: BodyKeys) -> Result<Self, E> {
+        let BodyKeys {
+            name,
+            pose,
+            shapes,
+            cloud,
+            radius_m,
+            voxel_m,
+            mass_kg,
+            friction,
+            rolling_m,
+            upright_deg,
+        } = keys;
+        let (name, shapes) = match (cloud, shapes) {
+            (None, shapes) if radius_m.or(voxel_m).is_none() => {
+                let name = name.ok_or_else(|| E::missing_field("name"))?;
+                (name, shapes.ok_or_else(|| E::missing_field("shapes"))?)
+            }
+            (None, _) => return Err(E::custom("`radius_m` and `voxel_m` of a body need `cloud: FILE`")),
+            (Some(_), Some(_)) => return Err(E::custom("a body has either `shapes` or a `cloud`")),
+            (Some(file), None) => {
+                let Spanned { value: file, referenced, defined } = file;
+                let radius_m = radius_m.ok_or_else(|| E::missing_field("radius_m"))?;
+                let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+                let cloud = Some(CloudEntry { file, radius_m, voxel_m });
+                let shape = ShapeEntry { cloud, ..ShapeEntry::default() };
+                let name = name.unwrap_or_else(|| Spanned::new(stem, referenced, defined));
+                (name, vec![Spanned::new(shape, referenced, defined)])
+            }
+        };
+        Ok(Self { name, pose, shapes, mass_kg, friction, rolling_m, upright_deg })
+    }
+}
+
+impl<'de> Deserialize<'de> for BodyEntry {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(BodyVisitor)
+    }
+}
+
+impl JsonSchema for BodyEntry {
+    fn schema_name() -> Cow<'static, str> {
+        "BodyEntry".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        BodyKeys::json_schema(generator)
+    }
+}
+
+/// Visitor of a body: errors of all its keys have their lines.
+struct BodyVisitor;
+
+impl<'de> Visitor<'de> for BodyVisitor {
+    type Value = BodyEntry;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        formatter.write_str("an obstacle or a target, with its keys")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<BodyEntry, A::Error> {
+        BodyEntry::of(BodyKeys::deserialize(MapAccessDeserializer::new(map))?)
+    }
 }
 
 /// Place where the target can be put down: a rectangle on a support, or a pose of the target.
@@ -254,7 +341,7 @@ pub(crate) struct PoseEntry {
 }
 
 /// Shape under the key of its kind, with its pose in the frame of the body.
-#[derive(Deserialize, JsonSchema)]
+#[derive(Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ShapeEntry {
     #[schemars(with = "Option<PoseEntry>")]

@@ -167,6 +167,7 @@ impl Recipe {
             ik: self.ik.clone(),
             export: None,
             seen: None,
+            clouds: Vec::new(),
         }
         .with_checked_start(id)
     }

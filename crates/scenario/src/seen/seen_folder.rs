@@ -56,6 +56,7 @@ impl Scenario {
             physics: BTreeMap::new(),
             export: None,
             seen: None,
+            clouds: Vec::new(),
             ..self.clone()
         })
     }

@@ -43,3 +43,18 @@ impl Collector {
         }
     }
 }
+
+impl ReadCloud {
+    /// Returns the cloud of points (m) from another source than a file. Those with a coordinate that is not finite are dropped and
+    /// counted.
+    ///
+    /// # Errors
+    /// A sentence on a coordinate beyond 1000 m, or on a cloud without a valid point.
+    pub fn of_points(points: &[[f64; 3]]) -> Result<Self, String> {
+        let mut collector = Collector::new(points.len());
+        for point in points {
+            collector.add(*point)?;
+        }
+        collector.finish()
+    }
+}

@@ -1,0 +1,4 @@
+//! Problems and requests of MoveIt.
+
+pub mod planner;
+mod problem;
