@@ -724,6 +724,7 @@ def _with_views(
     *,
     unseen: str = "solid",
     cell_m: float | None = None,
+    fine_m: float | None = None,
     region: ArrayLike | None = None,
     robot_reach_m: float | None = None,
     floor_reach_m: float | None = None,

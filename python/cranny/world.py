@@ -46,8 +46,8 @@ class World:
     `scenario`: what is known, a Scenario: the robot at its start, obstacles whose places are known, the object to grasp, the
     floor, the goals. With `views` (a list of DepthView), all surfaces that they show are obstacles too, and all space that none of
     them shows to be free. `q`: configuration of the robot in the images (None: the start); the robot is cut out of the map, as are
-    target and floor. The other keywords are those of `seen` in a `scenario.yaml` (docs/sensing.md): `unseen` "solid" or "free",
-    `cell_m`, `region` (2, 3), the least and the greatest coordinates, `robot_reach_m`, `floor_reach_m`, `tolerance_m`;
+    the bodies of the scenario. The other keywords are those of `seen` in a `scenario.yaml` (docs/sensing.md): `unseen` "solid" or "free",
+    `cell_m`, `fine_m`, `region` (2, 3), the least and the greatest coordinates, `robot_reach_m`, `floor_reach_m`, `tolerance_m`;
     None: the default there.
 
     `update`, `add_cloud` and `remove_cloud` replace the obstacles as a whole or, if they raise an exception, not at all. A check
@@ -61,6 +61,7 @@ class World:
         q: ArrayLike | None = None,
         unseen: Literal["solid", "free"] = "solid",
         cell_m: float | None = None,
+        fine_m: float | None = None,
         region: ArrayLike | None = None,
         robot_reach_m: float | None = None,
         floor_reach_m: float | None = None,
@@ -69,6 +70,7 @@ class World:
         self._options: dict[str, Any] = {
             "unseen": unseen,
             "cell_m": cell_m,
+            "fine_m": fine_m,
             "region": region,
             "robot_reach_m": robot_reach_m,
             "floor_reach_m": floor_reach_m,
@@ -91,6 +93,7 @@ class World:
         names: Sequence[str] | None = None,
         unseen: Literal["solid", "free"] = "solid",
         cell_m: float | None = None,
+        fine_m: float | None = None,
         region: ArrayLike | None = None,
         robot_reach_m: float | None = None,
         floor_reach_m: float | None = None,
@@ -107,6 +110,7 @@ class World:
             q=q,
             unseen=unseen,
             cell_m=cell_m,
+            fine_m=fine_m,
             region=region,
             robot_reach_m=robot_reach_m,
             floor_reach_m=floor_reach_m,

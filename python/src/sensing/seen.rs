@@ -14,7 +14,7 @@ use crate::sensing::depth_view::PyDepthView;
 
 /// Returns a scenario with a map of the space that these views show as further obstacles, for `World`.
 #[pyfunction]
-#[pyo3(name = "_with_views", signature = (scenario, views, *, unseen="solid", cell_m=None, region=None, robot_reach_m=None,
+#[pyo3(name = "_with_views", signature = (scenario, views, *, unseen="solid", cell_m=None, fine_m=None, region=None, robot_reach_m=None,
     floor_reach_m=None, tolerance_m=None))]
 #[allow(clippy::too_many_arguments, reason = "the keywords of the Python function")]
 pub fn with_views<'py>(
@@ -22,6 +22,7 @@ pub fn with_views<'py>(
     views: Vec<Bound<'py, PyDepthView>>,
     unseen: &str,
     cell_m: Option<f64>,
+    fine_m: Option<f64>,
     region: Option<&Bound<'py, PyAny>>,
     robot_reach_m: Option<f64>,
     floor_reach_m: Option<f64>,
@@ -38,10 +39,11 @@ pub fn with_views<'py>(
             }
         },
         cell_m: cell_m.unwrap_or(default.cell_m),
+        fine_m: fine_m.unwrap_or(default.fine_m),
         region: region.map(box_of).transpose()?,
         robot_reach_m: robot_reach_m.unwrap_or(default.robot_reach_m),
         floor_reach_m: floor_reach_m.unwrap_or(default.floor_reach_m),
-        target_tolerance_m: tolerance_m.unwrap_or(default.target_tolerance_m),
+        tolerance_m: tolerance_m.unwrap_or(default.tolerance_m),
     };
     let own = &scenario.get().scenario;
     let all: Vec<View> = views.iter().map(|view| view.get().view.clone()).collect();
@@ -51,6 +53,7 @@ pub fn with_views<'py>(
     keywords.set_item("region", region.map(copied).transpose()?)?;
     for (key, value) in [
         ("cell_m", cell_m),
+        ("fine_m", fine_m),
         ("robot_reach_m", robot_reach_m),
         ("floor_reach_m", floor_reach_m),
         ("tolerance_m", tolerance_m),
