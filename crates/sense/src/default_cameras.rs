@@ -71,8 +71,8 @@ const CLEAR_M: f64 = 1.6;
 /// Space beside the links that they need, in metres.
 const BESIDE_M: f64 = 0.15;
 
-/// Weight of the sharply visible share of the target for the first camera, relative to that of all points; for further cameras it is
-/// divided by their number.
+/// Weight of the visible share of the target for the first camera, which should see it sharply, relative to that of all points; for
+/// further cameras it is divided by their number.
 const TARGET_WEIGHT: f64 = 1.0;
 
 /// Candidate with the points that it sees.
@@ -80,8 +80,10 @@ struct Candidate {
     camera: Camera,
     /// Sharpness with which it sees each point: 0 if it does not, 1 from near enough, and less from afar.
     sees: Vec<f64>,
-    /// Share of the target that other bodies do not hide, 0 to 1, times the sharpness there.
+    /// Share of the target that other bodies do not hide, 0 to 1.
     target_share: f64,
+    /// Sharpness with which it sees the target.
+    target_sharpness: f64,
 }
 
 /// Returns cameras around a target that look at it from free positions.
@@ -116,18 +118,21 @@ pub fn default_cameras(scene: &SensedScene, request: &DefaultCameras) -> Result<
         let count = |scene: &SensedScene| {
             scene.render(&close_up).segments.iter().filter(|segment| **segment == request.target).count()
         };
-        let share = count(scene) as f64 / count(&target_alone).max(1) as f64;
-        let target_share = share * (SHARP_M / (eye - request.aim).norm()).min(1.0);
+        let target_share = count(scene) as f64 / count(&target_alone).max(1) as f64;
+        let target_sharpness = (SHARP_M / (eye - request.aim).norm()).min(1.0);
         let camera = Camera::with_field_of_view(request.size_px, request.field_of_view_rad, pose)?;
-        candidates.push(Candidate { camera, sees, target_share });
+        candidates.push(Candidate { camera, sees, target_share, target_sharpness });
     }
     let (mut chosen, mut is_seen) = (Vec::new(), vec![0.0_f64; points.len()]);
     for number in 1..=request.count {
-        let target_weight = TARGET_WEIGHT / number as f64;
+        // The first one looks at the target from near by, the others at what it does not see.
+        let target_weight = |candidate: &Candidate| {
+            TARGET_WEIGHT * if number == 1 { candidate.target_sharpness } else { 1.0 / number as f64 }
+        };
         let value = |candidate: &Candidate| {
             let gains = candidate.sees.iter().zip(&is_seen).map(|(sees, seen)| (sees - seen).max(0.0));
             let new: f64 = gains.sum();
-            new / points.len() as f64 + target_weight * candidate.target_share
+            new / points.len() as f64 + target_weight(candidate) * candidate.target_share
         };
         // The first of equal candidates.
         let best = (0..candidates.len())
