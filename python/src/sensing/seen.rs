@@ -35,7 +35,9 @@ pub fn with_views<'py>(
             "solid" => Unseen::Solid,
             "free" => Unseen::Free,
             _ => {
-                return Err(bad_value(format!("unseen is '{unseen}', but \"solid\" or \"free\" is expected")));
+                return Err(bad_value(format!(
+                    "unseen is '{unseen}', but \"solid\" or \"free\" is expected"
+                )));
             }
         },
         cell_m: cell_m.unwrap_or(default.cell_m),
