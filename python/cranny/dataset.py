@@ -1,7 +1,7 @@
 """Sets of proven demonstrations: rows, trajectories, batches for training, HDF5 for robomimic.
 
-`cranny dataset generate` makes a set; this module reads its folder. It needs `pyarrow`; `Dataset.torch` needs `torch`, and
-`to_robomimic` needs `h5py`.
+`cranny dataset generate` makes a set; this module reads its folder. It needs `pyarrow`; `Dataset.torch` needs `torch`,
+`Dataset.pictures` Pillow, and `to_robomimic` `h5py`.
 
 >>> from cranny import dataset
 >>> rows = dataset.load("demonstrations")                 # doctest: +SKIP
@@ -12,8 +12,10 @@
 
 from __future__ import annotations
 
+import io
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,7 +26,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     import pyarrow
 
-__all__ = ["GRASP_RESULTS", "MODES", "Dataset", "Samples", "load", "to_robomimic"]
+__all__ = ["GRASP_RESULTS", "MODES", "Dataset", "Picture", "Samples", "TorchSamples", "load", "to_robomimic"]
 
 #: Modes of a segment, by their numbers in the column `segments`.
 MODES = ("reach", "approach", "lift-off", "carry", "set-down", "retreat", "return")
@@ -120,13 +122,106 @@ class Dataset:
         """Pairs of a state and the way point to move to next, for training: one for each edge of each path of a task (of all tasks for `None`)."""
         return Samples(self, task)
 
-    def torch(self, task: str | None = "reach") -> Any:
-        """A `torch.utils.data.Dataset` of `samples`: each item is a pair of tensors, observation and action."""
+    def torch(self, task: str | None = "reach") -> TorchSamples:
+        """The `samples` for PyTorch's `DataLoader`: each item is a pair of tensors, observation and action."""
+        return TorchSamples(self.samples(task))
+
+    @cached_property
+    def _pictures(self) -> pyarrow.Table | None:
+        folder = self.folder / "pictures"
+        if "cameras" not in self.description["recipe"]:
+            return None
+        parquet = _parquet()
+        finished = sorted(file.name for file in (self.folder / "scenes").glob("*.parquet"))
+        return _arrow().concat_tables([parquet.read_table(folder / name) for name in finished])
+
+    @cached_property
+    def _picture_places(self) -> dict[int, list[int]]:
+        places: dict[int, list[int]] = {}
+        scenes = self._pictures["scene"].to_pylist() if self._pictures is not None else []
+        for place, scene in enumerate(scenes):
+            places.setdefault(int(scene), []).append(place)
+        return places
+
+    def pictures(self, place: int) -> list[Picture]:
+        """Pictures of the scene of the row at a position, one for each camera; the robot is at its own start. Needs Pillow."""
+        places = self._picture_places.get(int(self.table["scene"][place].as_py()), [])
+        if self._pictures is None:
+            return []
+        return [Picture.of_row(self._pictures.slice(picture, 1).to_pylist()[0]) for picture in places]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What a camera sees of a scene, without errors."""
+
+    camera: str
+    """Name of the camera."""
+    depth_m: NDArray[np.float32]
+    """Depths along the optical axis (height, width), NaN for none; in steps of a millimetre."""
+    segments: NDArray[np.uint16]
+    """Number of the body that each pixel shows (height, width), 0 for none."""
+    names: list[str]
+    """Names of the bodies, from number 1; the last is the robot."""
+    intrinsics_px: NDArray[np.float64]
+    """Focal lengths along x and y, then the principal point; pixel centres are whole numbers."""
+    pose: NDArray[np.float64]
+    """Optical frame in the planning frame: position (m), unit quaternion (w, x, y, z)."""
+
+    @classmethod
+    def of_row(cls, row: dict[str, Any]) -> Picture:
+        """Picture of a row of the files in `pictures`."""
+        millimetres = _png(row["depth_png"])
+        return cls(
+            camera=row["camera"],
+            depth_m=np.where(millimetres > 0, millimetres * np.float32(1e-3), np.float32("nan")).astype(np.float32),
+            segments=_png(row["segments_png"]),
+            names=list(row["segments"]),
+            intrinsics_px=np.asarray(row["intrinsics_px"]),
+            pose=np.asarray(row["pose"]),
+        )
+
+
+class TorchSamples:
+    """Samples as tensors, a map-style dataset for `torch.utils.data.DataLoader`.
+
+    A `DataLoader` with the default settings gets all items of a batch in one call; `loader` makes one that also skips their
+    collation, which is several times faster.
+    """
+
+    def __init__(self, samples: Samples) -> None:
+        """Takes over the arrays without a copy."""
         import torch
 
-        samples = self.samples(task)
-        observations, actions = torch.from_numpy(samples.observations), torch.from_numpy(samples.actions)
-        return torch.utils.data.TensorDataset(observations, actions)
+        #: Observations, (N, dof + 8).
+        self.observations: Any = torch.from_numpy(samples.observations)
+        #: Actions, (N, dof).
+        self.actions: Any = torch.from_numpy(samples.actions)
+
+    def __len__(self) -> int:
+        """Number of samples."""
+        return len(self.observations)
+
+    def __getitem__(self, index: int | Sequence[int]) -> tuple[Any, Any]:
+        """Observation and action of a sample, or those of several at once."""
+        return self.observations[index], self.actions[index]
+
+    def __getitems__(self, indices: Sequence[int]) -> list[tuple[Any, Any]]:
+        """Pairs of several samples, which `DataLoader` collates."""
+        observations, actions = self[indices]
+        return list(zip(observations, actions, strict=True))
+
+    def loader(self, batch_size: int = 1024, *, shuffle: bool = True, workers: int = 0, seed: int = 0) -> Any:
+        """A `DataLoader` whose batches are indexed as a whole; `seed` determines the order of each epoch."""
+        import torch
+        from torch.utils import data
+
+        random = torch.Generator()
+        random.manual_seed(seed)
+        order = data.RandomSampler(self, generator=random) if shuffle else data.SequentialSampler(self)
+        batches = data.BatchSampler(order, batch_size, drop_last=False)
+        # Without a batch size of its own, the loader passes each batch of indices to `__getitem__`.
+        return data.DataLoader(self, sampler=batches, batch_size=None, num_workers=workers, persistent_workers=workers > 0)
 
 
 class Samples:
@@ -250,6 +345,14 @@ def _parquet() -> Any:
     import pyarrow.parquet
 
     return pyarrow.parquet
+
+
+def _png(content: bytes) -> NDArray[np.uint16]:
+    try:
+        from PIL import Image
+    except ImportError as fault:
+        raise ImportError("pictures are decoded by Pillow: pip install pillow") from fault
+    return np.asarray(Image.open(io.BytesIO(content))).astype(np.uint16)
 
 
 def _flat(column: Any) -> tuple[NDArray[Any], NDArray[np.int64]]:

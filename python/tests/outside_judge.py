@@ -70,6 +70,8 @@ class Thing:
                 solid = coal.Box(*[float(size) for size in shape["box"]["size"]])
             elif "sphere" in shape:
                 solid = coal.Sphere(float(shape["sphere"]["radius"]))
+            elif "cylinder" in shape:
+                solid = coal.Cylinder(float(shape["cylinder"]["radius"]), float(shape["cylinder"]["length"]))
             else:
                 solid = mesh(shape["object"])
             shapes.append((solid, pose_of(shape.get("pose"))))

@@ -20,6 +20,7 @@ queries_per_scene: 5
 families: [gap, table]
 tasks: {reach: 5, carry: 1, place: 1}
 rate_hz: 10
+cameras: {default: 2}
 """
 
 
@@ -82,6 +83,49 @@ def test_samples_are_steps_along_paths(folder: Path) -> None:
     assert np.allclose(samples.actions[0], path[1] - path[0], atol=1e-6)
     with pytest.raises(ValueError, match="no solved row of the task"):
         rows.samples("fetch")
+
+
+def test_pictures_are_those_of_the_command_sense(folder: Path, tmp_path: Path) -> None:
+    image = package("PIL.Image")
+    rows = dataset.load(folder / "set")
+    # The first query of a scene begins at the robot's own start, where the pictures are taken.
+    place = next(int(place) for place in rows.solved if place % 5 == 0)
+    program("dataset", "extract", folder / "set", place, "-o", tmp_path / "row")
+    program("sense", tmp_path / "row", "--default-cameras", 2, "-o", tmp_path / "views")
+    pictures = rows.pictures(place)
+    assert [picture.camera for picture in pictures] == ["camera1", "camera2"]
+    for picture in pictures:
+        depth_mm = np.asarray(image.open(tmp_path / "views" / f"{picture.camera}.depth.png")).astype(float)
+        segments = np.asarray(image.open(tmp_path / "views" / f"{picture.camera}.segments.png"))
+        assert picture.depth_m.shape == picture.segments.shape == (240, 320)
+        # Text rounds the scene, so that a pixel at an edge may show something else.
+        apart = np.abs(np.nan_to_num(1e3 * picture.depth_m) - depth_mm)
+        assert (apart <= 1.001).mean() > 0.9999 and (picture.segments == segments).mean() > 0.9999
+        scene = rows.scene(place)
+        target = picture.names.index(cranny.Scenario(str(tmp_path / "row")).target.name) + 1
+        assert picture.names[-1] == "robot" and len(picture.intrinsics_px) == 4
+        # A seen point of the target is near its pose.
+        v, u = np.argwhere(picture.segments == target)[0]
+        focal, center, depth_m = picture.intrinsics_px[:2], picture.intrinsics_px[2:], picture.depth_m[v, u]
+        ray = np.append((np.array([u, v]) - center) / focal * depth_m, depth_m)
+        w, x, y, z = picture.pose[3:]
+        turned = ray + 2 * np.cross([x, y, z], np.cross([x, y, z], ray) + w * ray)
+        assert np.linalg.norm(turned + picture.pose[:3] - scene["target_pose"][:3]) < 0.3
+
+
+def test_batches_for_torch_are_the_samples(folder: Path) -> None:
+    pytest.importorskip("torch")
+    from torch.utils.data import DataLoader
+
+    rows = dataset.load(folder / "set")
+    samples, of_torch = rows.samples(), rows.torch()
+    assert len(of_torch) == len(samples)
+    in_order = list(DataLoader(of_torch, batch_size=7))
+    assert np.array_equal(np.vstack([batch[0] for batch in in_order]), samples.observations)
+    for loader in (of_torch.loader(7, shuffle=False), of_torch.loader(7, seed=3)):
+        found = np.vstack([np.hstack(batch) for batch in loader])
+        wanted = np.hstack([samples.observations, samples.actions])
+        assert np.array_equal(np.unique(found, axis=0), np.unique(wanted, axis=0)) and len(found) == len(wanted)
 
 
 def test_the_export_has_the_layout_of_lerobot(folder: Path) -> None:

@@ -48,3 +48,29 @@ def test_planners_of_ompl_take_part_in_a_campaign(tmp_path: Path) -> None:
     for planner in ("reach", "ompl-rrt-connect", "ompl-bit-star", "ompl-kpiece"):
         assert any(planner in line and "1 of 1" in line for line in lines), told.stdout
     assert (tmp_path / "ompl.html").stat().st_size > 10_000
+
+
+def test_a_policy_is_trained_and_measured(tmp_path: Path) -> None:
+    package("pyarrow")
+    folder = EXAMPLES / "policy"
+
+    def run(*words: object) -> str:
+        told = subprocess.run(
+            [sys.executable, *map(str, words)], capture_output=True, text=True, cwd=tmp_path, timeout=300
+        )
+        assert told.returncode == 0, told.stderr
+        return told.stdout
+
+    cranny = ("-m", "cranny")
+    run(*cranny, "dataset", "generate", folder / "recipe.yaml", "--count", 80, "-o", "demonstrations")
+    losses = run(folder / "train.py", "demonstrations", "--epochs", 20).splitlines()
+    first, last = (float(line.split("loss ")[1].split(",")[0]) for line in (losses[1], losses[-1]))
+    assert "held out" in losses[0]
+    assert last < first, losses
+    run(*cranny, "scenario", "generate", "--family", "gap", "--count", 2, "--clutter", 0, "--seed", 99, "-o", "unseen")
+    scenarios = sorted((tmp_path / "unseen").glob("*/scenario.yaml"))
+    assert len(scenarios) == 2
+    figures = run(folder / "measure.py", *(scenario.parent for scenario in scenarios), "--time-limit", 20)
+    for planner in ("straight", "policy", "policy-reach", "reach"):
+        assert any(line.startswith(f"{planner} ") and "of 2 solved" in line for line in figures.splitlines()), figures
+    assert "reach, policy" in figures and "2 solved" in figures

@@ -114,6 +114,21 @@ def test_a_plan_is_saved_and_judged_anew(scenario: cranny.Scenario, plan: cranny
     assert not verdict and {v["kind"] for v in verdict.violations} <= {"contact", "joint-limit", "unresolved", "goal"}
 
 
+def test_a_search_begins_along_a_guess(scenario: cranny.Scenario, plan: cranny.Plan) -> None:
+    # A guess like that of a learned policy: its end is a little off the grasp.
+    guess = plan.path.copy()
+    guess[-1] += 0.01
+    led = cranny.plan(scenario, "reach", seed=5, settings={"guess": guess.tolist()}, shortcut=False)
+    assert led.solved and led.report["statistics"]["iterations"] <= 1
+    assert np.abs(led.path[-1] - plan.path[-1]).max() < 0.3 and led.path.shape[0] <= len(guess) + 1
+    assert np.array_equal(led.report["settings"]["guess"], guess)
+    # A guess through everything does no harm.
+    wild = scenario.robot.sample(6, seed=3)
+    assert cranny.plan(scenario, "reach", settings={"guess": wild.tolist()}).solved
+    with pytest.raises(ValueError, match="2 values, but the robot has 9 joints"):
+        cranny.plan(scenario, "reach", settings={"guess": [[0.0, 0.0]]})
+
+
 def test_margins_settings_and_budgets_are_taken(scenario: cranny.Scenario) -> None:
     wide = cranny.plan(scenario, margin_m=0.01)
     assert wide.solved and wide.report["margins"]["margin_m"] == 0.01

@@ -362,7 +362,9 @@ fn setting(text: &str) -> Result<(String, serde_json::Value), String> {
     let (name, value) =
         text.split_once('=').ok_or_else(|| format!("'{text}' is not of the form name=value"))?;
     let value = match serde_json::from_str(value) {
-        Ok(value @ (serde_json::Value::Number(_) | serde_json::Value::Bool(_))) => value,
+        Ok(
+            value @ (serde_json::Value::Number(_) | serde_json::Value::Bool(_) | serde_json::Value::Array(_)),
+        ) => value,
         _ => value.into(),
     };
     Ok((name.to_owned(), value))

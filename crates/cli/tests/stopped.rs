@@ -141,6 +141,36 @@ fn a_set_of_scenarios_goes_on_after_it_was_killed_or_stopped() {
 }
 
 #[test]
+fn a_set_of_demonstrations_goes_on_after_it_was_killed_or_stopped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    std::fs::write(
+        folder.join("recipe.yaml"),
+        "count: 1000\nfamilies: [gap]\nclutter: 0\nqueries_per_scene: 5\n",
+    )
+    .expect("written");
+    let generate = |set: &str| format!("dataset generate recipe.yaml -o {set}");
+    let begin = std::time::Instant::now();
+    let whole = document(&command(folder, &generate("whole")).output().expect("it runs"));
+    assert_eq!((&whole["rows"], &whole["complete"]), (&1000.into(), &true.into()));
+    let whole_s = begin.elapsed().as_secs_f64();
+    killed_after(0.8 * whole_s, folder, &generate("set"));
+    let stopped = stopped_once(0.7 * whole_s, folder, &generate("set"));
+    // It may have finished before.
+    if !stopped.stdout.is_empty() && document(&stopped)["complete"] == false {
+        assert_eq!(stopped.status.code(), Some(1));
+    }
+    killed_after(0.3 * whole_s, folder, &generate("set"));
+    let rest = document(&command(folder, &generate("set")).output().expect("it runs"));
+    let number = |key: &str| rest[key].as_u64().expect("a count");
+    assert_eq!((&rest["complete"], number("known") + number("rows")), (&true.into(), 1000));
+    assert!(contents(&folder.join("set")) == contents(&folder.join("whole")));
+    let names =
+        std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").file_name());
+    assert_eq!(names.count(), 3, "nothing is left that was unfinished");
+}
+
+#[test]
 fn a_sampling_goes_on_where_it_was_stopped_while_candidates_are_chosen_too() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();

@@ -49,9 +49,34 @@ const SCENE_COLUMNS: [[&str; 2]; 12] = [
     ["boxes", "ten numbers for each box of obstacles and clutter: sides; pose in the planning frame"],
     ["target_pose", "pose of the target in the planning frame: x, y, z, qw, qx, qy, qz"],
     ["start", "the robot's own start"],
-    ["grasp_results", "result at each grasp, one byte each"],
+    ["grasp_results", "result at each grasp, one byte each; see below"],
     ["goals", "number of goal configurations that the queries share"],
     ["rejected", "number of draws that were rejected before this scene"],
+];
+
+const PICTURE_COLUMNS: [[&str; 2]; 9] = [
+    ["scene", "index of the scene"],
+    ["camera", "name of the camera"],
+    ["width", "width in pixels"],
+    ["height", "height in pixels"],
+    ["intrinsics_px", "focal lengths along x and y, principal point; pixel centres are whole numbers"],
+    ["pose", "optical frame (z forward, x right, y down) in the planning frame: x, y, z, qw, qx, qy, qz"],
+    ["depth_png", "PNG of 16 bits: exact depths along z in mm, 0 for none; the robot is at its own start"],
+    ["segments_png", "PNG of 16 bits: number of the body that each pixel shows, 0 for none"],
+    ["segments", "names of the bodies, from number 1; the last is the robot"],
+];
+
+/// Meaning of each result at a grasp, in the order of [`GRASP_RESULTS`].
+const RESULT_MEANINGS: [&str; 9] = [
+    "a free configuration was found",
+    "the object is wider there than the hand opens",
+    "proven: beyond the reach of the arm",
+    "the open hand touches something at the grasp and at its twin",
+    "no attempt of inverse kinematics converged",
+    "attempts converged, but the arm touched a body",
+    "attempts converged, but the robot touched itself",
+    "the grasp did not come up before there were enough goal configurations; `reasons: all` in a recipe tries all",
+    "another reason",
 ];
 
 /// Writes `README.md` of a data set.
@@ -79,23 +104,27 @@ fn card(folder: &DatasetFolder, statistics: &DatasetStatistics) -> String {
             let _ = writeln!(page, "| {family} | {task} | {} | {} |", kind.rows, kind.solved);
         }
     }
+    let pictures = recipe.cameras.as_ref().map(|_| ("pictures/*.parquet", &PICTURE_COLUMNS[..]));
     for (title, columns) in
         [("demonstrations/*.parquet", &DEMONSTRATION_COLUMNS[..]), ("scenes/*.parquet", &SCENE_COLUMNS[..])]
+            .into_iter()
+            .chain(pictures)
     {
         let _ = writeln!(page, "\n## Columns of `{title}`\n\n| column | content |\n|---|---|");
         for [name, content] in columns {
             let _ = writeln!(page, "| `{name}` | {content} |");
         }
     }
-    let results: Vec<String> =
-        GRASP_RESULTS.iter().enumerate().map(|(byte, name)| format!("{byte} {name}")).collect();
+    let _ = writeln!(page, "\n## Results at grasps\n\n| byte | result | meaning |\n|---|---|---|");
+    for (byte, (name, meaning)) in GRASP_RESULTS.iter().zip(RESULT_MEANINGS).enumerate() {
+        let _ = writeln!(page, "| {byte} | {name} | {meaning} |");
+    }
     let modes: Vec<String> =
         crate::MODES.iter().enumerate().map(|(number, mode)| format!("{number} {}", mode.name)).collect();
     let _ = writeln!(
         page,
-        "\nResults at grasps: {}. Modes of segments: {}.\n\n## Use\n\n```sh\ncranny dataset check .\ncranny dataset extract . 0 -o row_0\n\
+        "\nModes of segments: {}.\n\n## Use\n\n```sh\ncranny dataset check .\ncranny dataset extract . 0 -o row_0\n\
          cranny dataset export . --format lerobot -o lerobot\n```\n\n```python\nfrom cranny import dataset\nrows = dataset.load(\".\")\n```",
-        results.join(", "),
         modes.join(", ")
     );
     page
@@ -106,6 +135,10 @@ pub fn statistics_lines(statistics: &DatasetStatistics) -> String {
     let DatasetStatistics { scenes, rows, solved, bytes, .. } = statistics;
     let per_row = *bytes as f64 / (*rows).max(1) as f64;
     let mut page = format!("- {rows} rows in {scenes} scenes, {solved} solved; {per_row:.0} bytes a row\n");
+    if statistics.picture_bytes > 0 {
+        let per_scene = statistics.picture_bytes as f64 / (*scenes).max(1) as f64;
+        let _ = writeln!(page, "- pictures: {per_scene:.0} bytes a scene");
+    }
     let outcomes: Vec<String> =
         statistics.outcomes.iter().map(|(name, count)| format!("{name} {count}")).collect();
     let _ = writeln!(page, "- outcomes: {}", outcomes.join(", "));
@@ -128,13 +161,15 @@ pub fn statistics_lines(statistics: &DatasetStatistics) -> String {
 mod tests {
     use super::*;
     use crate::parquet::reader::read_parquet;
-    use crate::tables::{demonstrations_file, scenes_file};
+    use crate::tables::{demonstrations_file, pictures_file, scenes_file};
 
     #[test]
     fn the_card_names_the_columns_of_the_files() {
-        for (file, columns) in
-            [(demonstrations_file(&[]), &DEMONSTRATION_COLUMNS[..]), (scenes_file(&[]), &SCENE_COLUMNS[..])]
-        {
+        for (file, columns) in [
+            (demonstrations_file(&[]), &DEMONSTRATION_COLUMNS[..]),
+            (scenes_file(&[]), &SCENE_COLUMNS[..]),
+            (pictures_file(&[]), &PICTURE_COLUMNS[..]),
+        ] {
             let names: Vec<String> = read_parquet(&file).unwrap().into_iter().map(|(name, _)| name).collect();
             assert_eq!(names, columns.iter().map(|[name, _]| *name).collect::<Vec<_>>());
         }

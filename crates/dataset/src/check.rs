@@ -12,6 +12,7 @@ use crate::demonstration::Demonstration;
 use crate::figures::Figures;
 use crate::folder::{Chunk, DatasetFolder};
 use crate::generate::NO_SCENE;
+use crate::pictures::{Picture, pictures};
 use crate::prepared_scene::stages_of;
 use crate::scene_row::SceneRow;
 use crate::scene_source::{SceneSource, problem_of, target_name};
@@ -59,7 +60,7 @@ pub fn check(
     done: &(dyn Fn(u64) + Sync),
     stop: &AtomicBool,
 ) -> Result<CheckReport, DatasetError> {
-    let source = SceneSource::new(folder.recipe())?;
+    let source = SceneSource::new(&folder.recipe_at_home())?;
     let chosen = chosen_rows(folder, rows)?;
     let mut report = CheckReport::default();
     for (chunk, rows) in chosen {
@@ -68,11 +69,13 @@ pub fn check(
             break;
         }
         let Chunk { scenes, demonstrations } = folder.read(chunk)?;
+        let taken = folder.read_pictures(chunk)?;
         let of_scene = |scene: &SceneRow| -> Result<CheckReport, DatasetError> {
             let own = demonstrations.iter().filter(|row| row.scene == scene.scene);
             let asked: Vec<&Demonstration> =
                 own.filter(|row| rows.as_ref().is_none_or(|rows| rows.contains(&row.row))).collect();
-            let report = check_scene(&source, scene, &asked)?;
+            let taken: Vec<&Picture> = taken.iter().filter(|picture| picture.scene == scene.scene).collect();
+            let report = check_scene(&source, scene, &asked, &taken)?;
             done(asked.len() as u64);
             Ok(report)
         };
@@ -124,6 +127,7 @@ fn check_scene(
     source: &SceneSource,
     scene: &SceneRow,
     rows: &[&Demonstration],
+    taken: &[&Picture],
 ) -> Result<CheckReport, DatasetError> {
     let mut report = CheckReport { checked: rows.len() as u64, ..CheckReport::default() };
     if rows.is_empty() {
@@ -143,6 +147,14 @@ fn check_scene(
     if !scene_figures(scene, &recipe).has_geometry_of(scene) {
         report.faults.extend(rows.iter().map(|row| {
             fault(row, format!("the geometry of its scene {} is not that of its values", scene.scene))
+        }));
+        return Ok(report);
+    }
+    let again = source.recipe().cameras.as_ref();
+    let again = again.map_or(Ok(Vec::new()), |cameras| pictures(cameras, scene.scene, &recipe))?;
+    if !again.iter().eq(taken.iter().copied()) {
+        report.faults.extend(rows.iter().map(|row| {
+            fault(row, format!("the pictures of its scene {} are not those of its cameras", scene.scene))
         }));
         return Ok(report);
     }

@@ -77,6 +77,12 @@ pub enum DatasetError {
     /// Invalid robot or scene, or a file that cannot be written.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
+    /// Cameras that do not fit, or a picture that cannot be written.
+    #[error(transparent)]
+    Sense(#[from] cranny_sense::SenseError),
+    /// Files of a robot that cannot be read.
+    #[error(transparent)]
+    Robot(#[from] cranny_robot::RobotError),
     /// Invalid planner or setting.
     #[error(transparent)]
     Plan(#[from] PlanError),

@@ -38,10 +38,14 @@ pub fn extract(folder: &DatasetFolder, row: u64, into: &Path) -> Result<(), Data
     };
     let task = DemonstrationTask::of_name(&found.task).filter(|_| found.is_solved());
     let task = task.ok_or_else(|| fault(format!("has no path: its outcome is {}", found.outcome)))?;
-    let source = SceneSource::new(folder.recipe())?;
+    let source = SceneSource::new(&folder.recipe_at_home())?;
     let recipe =
         source.rebuild(scene)?.ok_or_else(|| fault("has a scene that cannot be made again".to_owned()))?;
-    let recipe = cranny_scenario::Recipe { start: found.start.clone(), ..recipe };
+    let recipe = cranny_scenario::Recipe {
+        start: found.start.clone(),
+        robot: source.robot_with_files(scene.scene, &recipe),
+        ..recipe
+    };
     write_whole_folder(into, |place| recipe.write_folder(place))?;
     // The plan is measured in the scenario as it stands in the files.
     let id = into.display().to_string();

@@ -1,12 +1,17 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use cranny_scenario::write_whole_file;
+use cranny_robot::RobotFiles;
+use cranny_scenario::{ScenarioError, write_whole_file, write_whole_folder};
 use serde::{Deserialize, Serialize};
 
 use crate::demonstration::Demonstration;
+use crate::pictures::Picture;
+use crate::recipe::is_built_in;
 use crate::scene_row::SceneRow;
-use crate::tables::{demonstrations_file, read_demonstrations, read_scenes, scenes_file};
+use crate::tables::{
+    demonstrations_file, pictures_file, read_demonstrations, read_pictures, read_scenes, scenes_file,
+};
 use crate::{DatasetError, DatasetRecipe, DatasetShard};
 
 /// Description of a data set in its folder, `dataset.json`.
@@ -40,8 +45,12 @@ pub(crate) const SCENES_PER_CHUNK: u64 = 64;
 const DESCRIPTION: &str = "dataset.json";
 const DEMONSTRATIONS: &str = "demonstrations";
 const SCENES: &str = "scenes";
+const PICTURES: &str = "pictures";
+/// Folder of the files of robots that are not built in.
+const ROBOTS: &str = "robots";
 
-/// Folder of a data set: `dataset.json`, and two Parquet files for each chunk of scenes.
+/// Folder of a data set: `dataset.json`, and two Parquet files for each chunk of scenes, with pictures three; and the files of robots
+/// that are not built in.
 ///
 /// A chunk is written when it is complete, each file as a whole or not at all, the one of its scenes last: a chunk without it
 /// was interrupted, and is made again.
@@ -79,16 +88,22 @@ impl DatasetFolder {
         Ok(Self { path: path.to_owned(), description })
     }
 
-    /// Opens the folder of a data set, or creates it with this description.
+    /// Opens the folder of a data set, or creates it with this description, as a whole or not at all. The robots of its recipe are
+    /// named by their paths outside of the folder, and get their place in it.
     ///
     /// # Errors
     /// As [`Self::open`]; [`DatasetError::OtherDataset`] if it holds another one, or anything else.
     pub fn create(path: &Path, description: DatasetDescription) -> Result<Self, DatasetError> {
+        let robots = OwnRobots::gather(&description.recipe)?;
+        let recipe = description.recipe.with_robots(|path| robots.place_of(path));
+        let description = DatasetDescription { recipe, ..description };
         let file = path.join(DESCRIPTION);
         if cranny_file::is_there(&file).map_err(|reason| unreadable(&file, reason))? {
-            let found = Self::open(path)?.description;
-            if found == description {
-                return Ok(Self { path: path.to_owned(), description });
+            let there = Self::open(path)?;
+            let has_robots = OwnRobots::gather(&there.recipe_at_home())?.has_files_of(&robots);
+            let found = &there.description;
+            if has_robots && *found == description {
+                return Ok(there);
             }
             let other = |of: &DatasetDescription| {
                 let shard = of.shard.map_or("a whole data set".to_owned(), |shard| format!("shard {shard}"));
@@ -97,21 +112,34 @@ impl DatasetFolder {
                     of.recipe.count, of.recipe.seed, of.version
                 )
             };
-            let (found, expected) = (other(&found), other(&description));
+            let (found, expected) = (other(found), other(&description));
             let found = if found == expected { "one of another recipe".to_owned() } else { found };
             return Err(DatasetError::OtherDataset { path: path.to_owned(), found, expected });
         }
-        cranny_scenario::check_free_folder(path)?;
-        for part in [DEMONSTRATIONS, SCENES] {
-            let folder = path.join(part);
-            std::fs::create_dir_all(&folder).map_err(|reason| {
-                cranny_scenario::ScenarioError::Unwritable { path: folder.clone(), reason }
-            })?;
-        }
         let mut text = serde_json::to_string_pretty(&description).unwrap_or_default();
         text.push('\n');
-        write_whole_file(&file, text.as_bytes())?;
+        write_whole_folder(path, |folder| {
+            let pictures = description.recipe.cameras.as_ref().map(|_| PICTURES);
+            for part in [DEMONSTRATIONS, SCENES].into_iter().chain(pictures) {
+                let part = folder.join(part);
+                std::fs::create_dir_all(&part)
+                    .map_err(|reason| ScenarioError::Unwritable { path: part, reason })?;
+            }
+            robots.write(folder)?;
+            write_whole_file(&folder.join(DESCRIPTION), text.as_bytes())
+        })?;
         Ok(Self { path: path.to_owned(), description })
+    }
+
+    /// Returns the recipe with the robots at their places in this folder, from where they can be loaded.
+    pub(crate) fn recipe_at_home(&self) -> DatasetRecipe {
+        self.recipe().with_robots(|path| self.path.join(path).display().to_string())
+    }
+
+    /// Returns true if both folders hold the same files of robots.
+    pub(crate) fn has_robots_of(&self, other: &Self) -> Result<bool, DatasetError> {
+        let own = OwnRobots::gather(&self.recipe_at_home())?;
+        Ok(own.has_files_of(&OwnRobots::gather(&other.recipe_at_home())?))
     }
 
     /// Path of the folder.
@@ -159,14 +187,28 @@ impl DatasetFolder {
     /// # Errors
     /// [`DatasetError::Unreadable`].
     pub fn has(&self, chunk: u64) -> Result<bool, DatasetError> {
-        let [demonstrations, scenes] = self.files(chunk);
-        let is_there = |file: &Path| cranny_file::is_there(file).map_err(|reason| unreadable(file, reason));
-        Ok(is_there(&scenes)? && is_there(&demonstrations)?)
+        for file in self.all_files(chunk) {
+            if !cranny_file::is_there(&file).map_err(|reason| unreadable(&file, reason))? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// Returns the files of a chunk: demonstrations, and scenes.
     pub fn files(&self, chunk: u64) -> [PathBuf; 2] {
         [DEMONSTRATIONS, SCENES].map(|part| self.path.join(part).join(format!("{chunk:06}.parquet")))
+    }
+
+    /// Returns the file of the pictures of a chunk; `None` for a data set without cameras.
+    pub fn pictures_file(&self, chunk: u64) -> Option<PathBuf> {
+        let name = self.path.join(PICTURES).join(format!("{chunk:06}.parquet"));
+        self.recipe().cameras.as_ref().map(|_| name)
+    }
+
+    /// Returns all files of a chunk, in the order in which they are written.
+    pub fn all_files(&self, chunk: u64) -> impl Iterator<Item = PathBuf> + use<> {
+        self.pictures_file(chunk).into_iter().chain(self.files(chunk))
     }
 
     /// Writes a chunk.
@@ -178,8 +220,12 @@ impl DatasetFolder {
         chunk: u64,
         scenes: &[SceneRow],
         demonstrations: &[Demonstration],
+        pictures: &[Picture],
     ) -> Result<(), DatasetError> {
         let [of_demonstrations, of_scenes] = self.files(chunk);
+        if let Some(of_pictures) = self.pictures_file(chunk) {
+            write_whole_file(&of_pictures, &pictures_file(pictures))?;
+        }
         write_whole_file(&of_demonstrations, &demonstrations_file(demonstrations))?;
         Ok(write_whole_file(&of_scenes, &scenes_file(scenes))?)
     }
@@ -203,6 +249,58 @@ impl DatasetFolder {
             return Err(DatasetError::Content { path: of_demonstrations, problem });
         }
         Ok(Chunk { scenes, demonstrations })
+    }
+
+    /// Reads the pictures of a chunk; none for a data set without cameras.
+    ///
+    /// # Errors
+    /// [`DatasetError::Content`] for a file that is missing or damaged.
+    pub fn read_pictures(&self, chunk: u64) -> Result<Vec<Picture>, DatasetError> {
+        self.pictures_file(chunk).map_or(Ok(Vec::new()), |file| read_pictures(&file))
+    }
+}
+
+/// Files of the robots of a recipe that are not built in.
+#[derive(Default)]
+struct OwnRobots {
+    /// Path of each in the recipe, and its files.
+    files: Vec<(PathBuf, RobotFiles)>,
+}
+
+impl OwnRobots {
+    fn gather(recipe: &DatasetRecipe) -> Result<Self, DatasetError> {
+        let mut files = Vec::new();
+        for robot in recipe.robots.iter().filter(|robot| !is_built_in(robot)) {
+            let path = PathBuf::from(robot);
+            files.push((path.clone(), RobotFiles::gather(&path, None, &[])?));
+        }
+        Ok(Self { files })
+    }
+
+    /// Returns the path of the URDF of a robot below the folder of the set.
+    fn place_of(&self, path: &Path) -> String {
+        let found = self.files.iter().enumerate().find(|(_, (known, _))| known == path);
+        let place = |(number, (_, files)): (usize, &(PathBuf, RobotFiles))| {
+            format!("{ROBOTS}/{}/{}", number + 1, files.urdf)
+        };
+        found.map(place).unwrap_or_default()
+    }
+
+    fn has_files_of(&self, other: &Self) -> bool {
+        self.files.iter().map(|(_, files)| files).eq(other.files.iter().map(|(_, files)| files))
+    }
+
+    fn write(&self, folder: &Path) -> Result<(), ScenarioError> {
+        for (number, (_, files)) in self.files.iter().enumerate() {
+            let folder = folder.join(ROBOTS).join((number + 1).to_string());
+            for (name, content) in &files.contents {
+                let file = folder.join(name);
+                let made = file.parent().map_or(Ok(()), std::fs::create_dir_all);
+                made.map_err(|reason| ScenarioError::Unwritable { path: file.clone(), reason })?;
+                write_whole_file(&file, content)?;
+            }
+        }
+        Ok(())
     }
 }
 

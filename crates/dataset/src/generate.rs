@@ -7,6 +7,7 @@ use cranny_record::PlanFile;
 use crate::card::write_card;
 use crate::demonstration::Demonstration;
 use crate::folder::{DatasetDescription, DatasetFolder, SCENES_PER_CHUNK};
+use crate::pictures::{Picture, pictures};
 use crate::prepared_scene::PreparedScene;
 use crate::scene_row::SceneRow;
 use crate::scene_source::SceneSource;
@@ -140,38 +141,49 @@ impl Workers<'_> {
     /// Makes a chunk; `None` if the run was stopped before.
     fn make(&self, chunk: u64) -> Result<Option<(u64, u64)>, DatasetError> {
         let (mut scenes, mut demonstrations): (Vec<SceneRow>, Vec<Demonstration>) = (Vec::new(), Vec::new());
+        let mut pictures: Vec<Picture> = Vec::new();
         for scene in self.folder.scenes_of(chunk) {
             if self.progress.stop.load(Ordering::Relaxed) {
                 return Ok(None);
             }
-            let (row, rows) = answers(self.source, scene, self.folder.rows_of(scene))?;
+            let SceneAnswers { row, rows, pictures: of_scene } =
+                answers(self.source, scene, self.folder.rows_of(scene))?;
             let solved = rows.iter().filter(|row| row.is_solved()).count() as u64;
             (self.progress.done)(rows.len() as u64, solved);
             scenes.push(row);
             demonstrations.extend(rows);
+            pictures.extend(of_scene);
         }
-        self.folder.write(chunk, &scenes, &demonstrations)?;
+        self.folder.write(chunk, &scenes, &demonstrations, &pictures)?;
         let solved = demonstrations.iter().filter(|row| row.is_solved()).count() as u64;
         Ok(Some((demonstrations.len() as u64, solved)))
     }
 }
 
-/// Draws a scene and answers its queries.
-pub(crate) fn answers(
+/// Rows of one scene.
+struct SceneAnswers {
+    row: SceneRow,
+    rows: Vec<Demonstration>,
+    pictures: Vec<Picture>,
+}
+
+/// Draws a scene, answers its queries, and takes its pictures.
+fn answers(
     source: &SceneSource,
     scene: u64,
     rows: std::ops::Range<u64>,
-) -> Result<(SceneRow, Vec<Demonstration>), DatasetError> {
+) -> Result<SceneAnswers, DatasetError> {
     let (row, recipe) = source.draw(scene)?;
     let Some(recipe) = recipe else {
         let without =
             |row| Demonstration { row, scene, outcome: NO_SCENE.to_owned(), ..Demonstration::empty() };
-        return Ok((row, rows.map(without).collect()));
+        return Ok(SceneAnswers { row, rows: rows.map(without).collect(), pictures: Vec::new() });
     };
+    let cameras = source.recipe().cameras.as_ref();
+    let pictures = cameras.map_or(Ok(Vec::new()), |cameras| pictures(cameras, scene, &recipe))?;
     let mut prepared = PreparedScene::new(source, row, &recipe)?;
-    let demonstrations: Vec<Demonstration> =
-        rows.map(|row| prepared.answer(row)).collect::<Result<_, _>>()?;
-    Ok((prepared.into_row(), demonstrations))
+    let rows: Vec<Demonstration> = rows.map(|row| prepared.answer(row)).collect::<Result<_, _>>()?;
+    Ok(SceneAnswers { row: prepared.into_row(), rows, pictures })
 }
 
 /// Outcome of the queries of a scene for which no sound draw was found.

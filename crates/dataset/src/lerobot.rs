@@ -60,7 +60,8 @@ pub fn export_lerobot(
 ) -> Result<LeRobotReport, DatasetError> {
     let fault =
         |problem: &str| DatasetError::Export { path: folder.path().to_owned(), problem: problem.to_owned() };
-    let [name] = &folder.recipe().robots[..] else {
+    let recipe = folder.recipe_at_home();
+    let [name] = &recipe.robots[..] else {
         return Err(fault("its rows are of several robots, but this layout holds those of one"));
     };
     let robot = RecipeRobot::load(Path::new(name))?.robot;

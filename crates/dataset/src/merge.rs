@@ -22,7 +22,7 @@ pub fn merge(shards: &[PathBuf], into: &Path, done: &mut dyn FnMut()) -> Result<
     let mut places = vec![None; usize::try_from(of).unwrap_or(usize::MAX)];
     for folder in &folders {
         let shard = shard_of(folder);
-        if whole(folder) != whole(first) || shard.of != of {
+        if whole(folder) != whole(first) || shard.of != of || !folder.has_robots_of(first)? {
             let other = first.path().display();
             return Err(fault(folder.path(), format!("is a shard of another data set than {other}")));
         }
@@ -46,13 +46,14 @@ pub fn merge(shards: &[PathBuf], into: &Path, done: &mut dyn FnMut()) -> Result<
         let shard = DatasetShard { index: missing as u64 + 1, of };
         return Err(fault(first.path(), format!("shard {shard} is missing")));
     }
-    let merged = DatasetFolder::create(into, whole(first))?;
+    let description = DatasetDescription { recipe: first.recipe_at_home(), ..whole(first) };
+    let merged = DatasetFolder::create(into, description)?;
     for folder in places.into_iter().flatten() {
         for chunk in folder.chunks() {
-            for (from, to) in folder.files(chunk).iter().zip(merged.files(chunk)) {
+            for (from, to) in folder.all_files(chunk).zip(merged.all_files(chunk)) {
                 cranny_scenario::write_whole_file_by(&to, |partial| {
-                    let linked = std::fs::hard_link(from, partial);
-                    let copied = linked.or_else(|_| std::fs::copy(from, partial).map(drop));
+                    let linked = std::fs::hard_link(&from, partial);
+                    let copied = linked.or_else(|_| std::fs::copy(&from, partial).map(drop));
                     copied.map_err(|reason| cranny_scenario::ScenarioError::Unwritable {
                         path: to.clone(),
                         reason,

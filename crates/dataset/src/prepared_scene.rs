@@ -1,4 +1,5 @@
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use cranny_collision::{Cell, Scratch};
@@ -8,14 +9,15 @@ use cranny_scenario::{Family, Recipe};
 use cranny_solve::{Answer, Request, Timing, solve_with};
 use cranny_spatial::{Stream, other_seed};
 use cranny_task::{
-    Carrier, FailureReason, Goal, GraspFailure, PlaceAt, Problem, Segment, Stage, gripper_poses,
+    Carrier, FailureReason, Goal, GraspFailure, IkAnnotationSettings, IkStatus, PlaceAt, Problem, Segment,
+    Stage, annotate_ik, gripper_poses,
 };
 
 use crate::demonstration::Demonstration;
 use crate::figures::Figures;
 use crate::scene_row::SceneRow;
 use crate::scene_source::{SceneSource, problem_of};
-use crate::{DatasetError, DatasetRecipe, DemonstrationTask};
+use crate::{DatasetError, DatasetRecipe, DemonstrationTask, GraspReasons};
 
 /// Results at a grasp, in the order of their bytes in [`SceneRow::grasp_results`].
 pub const GRASP_RESULTS: [&str; 9] = [
@@ -30,9 +32,15 @@ pub const GRASP_RESULTS: [&str; 9] = [
     "other",
 ];
 
+/// Number of `not-tried` among [`GRASP_RESULTS`].
+const NOT_TRIED: u8 = 7;
+
 /// Number of goal configurations of a scene that suffice, and of batches of inverse kinematics after which no more are sought.
 const GOALS: usize = 100;
 const MOST_BATCHES: usize = 40;
+
+/// Attempts of inverse kinematics at a grasp that did not come up before, if the results at all grasps are asked for.
+const ATTEMPTS: usize = 100;
 
 /// Share of the iterations that a search without a known path gets first, when another query of the scene has found one.
 const FRESH_SHARE: u64 = 8;
@@ -82,6 +90,9 @@ impl<'a> PreparedScene<'a> {
             paths: Vec::new(),
         };
         scene.find_goals();
+        if scene.of.reasons == GraspReasons::All {
+            scene.try_all_grasps()?;
+        }
         Ok(scene)
     }
 
@@ -116,6 +127,23 @@ impl<'a> PreparedScene<'a> {
             self.row.grasp_results[grasp] = result;
         }
         self.row.goals = self.goals.len() as u64;
+    }
+
+    /// Determines the result at each grasp that did not come up among the goals.
+    fn try_all_grasps(&mut self) -> Result<(), DatasetError> {
+        let seed = other_seed(other_seed(self.of.seed, STREAM_OF_ROWS + 3), self.row.scene);
+        let settings = IkAnnotationSettings { attempts: ATTEMPTS, seed, ..IkAnnotationSettings::default() };
+        if self.row.grasp_results.is_empty() {
+            return Ok(());
+        }
+        let bodies: Vec<&str> = self.cell.world().bodies().iter().map(|body| &body.name[..]).collect();
+        for found in annotate_ik(&self.problem, &settings, &|| (), &AtomicBool::new(false))? {
+            let Some(result) = self.row.grasp_results.get_mut(found.grasp) else { continue };
+            if *result == NOT_TRIED {
+                *result = result_of_status(&found.status, &bodies);
+            }
+        }
+        Ok(())
     }
 
     /// Answers the query of a row.
@@ -298,6 +326,20 @@ fn drawn_task(recipe: &DatasetRecipe, random: &mut Stream) -> DemonstrationTask 
     last
 }
 
+/// Returns the number of a status among [`GRASP_RESULTS`].
+fn result_of_status(status: &IkStatus, bodies: &[&str]) -> u8 {
+    match status {
+        IkStatus::Solved => 0,
+        IkStatus::OutOfReach { .. } => 2,
+        IkStatus::HandCollides { .. } => 3,
+        IkStatus::NoSolution { blocked: 0, .. } => 4,
+        IkStatus::NoSolution { contact: Some((_, body)), .. } if bodies.contains(&&body[..]) => 5,
+        IkStatus::NoSolution { contact: Some(_), .. } => 6,
+        IkStatus::NoSolution { .. } => 8,
+        IkStatus::Stopped => NOT_TRIED,
+    }
+}
+
 fn result_of(reason: &FailureReason) -> u8 {
     match reason {
         FailureReason::NotConnected { .. } => 0,
@@ -307,7 +349,7 @@ fn result_of(reason: &FailureReason) -> u8 {
         FailureReason::NoIk => 4,
         FailureReason::ArmCollides { .. } => 5,
         FailureReason::SelfCollision { .. } => 6,
-        FailureReason::NotTried => 7,
+        FailureReason::NotTried => NOT_TRIED,
         _ => 8,
     }
 }

@@ -1,12 +1,18 @@
+pub(crate) mod cameras;
+pub(crate) mod recipe_file;
+
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use cranny_collision::Margins;
-use cranny_scenario::{Family, RecipeRobot, SetSettings};
+use cranny_scenario::{BUILTIN_ROBOTS, Family, RecipeRobot, SetSettings};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use strum::{IntoStaticStr, VariantArray};
 
 use crate::DatasetError;
+use crate::recipe::cameras::DatasetCameras;
 
 /// Recipe of a data set: with the version of Cranny it determines every byte of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,7 +26,8 @@ pub struct DatasetRecipe {
     pub queries_per_scene: u64,
     /// Families of the scenes, in turn.
     pub families: Vec<FamilyRange>,
-    /// Names of built-in robots; the families of all scenes are run through for each in turn.
+    /// Names of built-in robots, and paths of others; the families of all scenes are run through for each in turn. In the
+    /// description of a set, a path is below its folder.
     pub robots: Vec<String>,
     /// Maximum number of clutter objects in a scene.
     pub clutter: usize,
@@ -47,6 +54,30 @@ pub struct DatasetRecipe {
     pub rate_hz: f64,
     /// Licence of the data, an SPDX expression, for the data card.
     pub licence: String,
+    /// Extent of the results at the grasps of a scene.
+    #[serde(default, skip_serializing_if = "GraspReasons::is_tried")]
+    pub reasons: GraspReasons,
+    /// Cameras that take a picture of each scene; `None`: there are no pictures.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cameras: Option<DatasetCameras>,
+}
+
+/// Grasps of a scene whose result is determined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum GraspReasons {
+    /// Those that came up until there were enough goal configurations; the others are `not-tried`.
+    #[default]
+    Tried,
+    /// All of them, by some attempts of inverse kinematics at each.
+    All,
+}
+
+impl GraspReasons {
+    #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+    fn is_tried(&self) -> bool {
+        *self == Self::Tried
+    }
 }
 
 /// Family of scenes with the range of its parameter.
@@ -107,6 +138,8 @@ impl Default for DatasetRecipe {
             hold: None,
             rate_hz: 20.0,
             licence: "CC-BY-4.0".to_owned(),
+            reasons: GraspReasons::Tried,
+            cameras: None,
         }
     }
 }
@@ -135,7 +168,7 @@ impl DatasetRecipe {
     pub(crate) fn kinds(&self) -> Result<Vec<(RecipeRobot, Family, SetSettings)>, DatasetError> {
         let mut kinds = Vec::new();
         for robot in &self.robots {
-            let robot = RecipeRobot::load(std::path::Path::new(robot))?;
+            let robot = RecipeRobot::load(Path::new(robot))?;
             for FamilyRange { family, parameter_m } in &self.families {
                 let family = Family::of_name(family)?;
                 let mut settings = SetSettings::new(family, &robot, self.seed);
@@ -146,4 +179,15 @@ impl DatasetRecipe {
         }
         Ok(kinds)
     }
+
+    /// Returns this recipe with the paths of robots that are not built in changed by a function.
+    pub(crate) fn with_robots(&self, path_of: impl Fn(&Path) -> String) -> Self {
+        let change = |name: &String| if is_built_in(name) { name.clone() } else { path_of(Path::new(name)) };
+        Self { robots: self.robots.iter().map(change).collect(), ..self.clone() }
+    }
+}
+
+/// Returns true for the name of a built-in robot.
+pub(crate) fn is_built_in(name: &str) -> bool {
+    BUILTIN_ROBOTS.iter().any(|robot| robot.name == name)
 }

@@ -1,9 +1,9 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use cranny_collision::{Margins, World};
-use cranny_scenario::{GraspChoice, OpenOptions, Recipe, SetMaker};
+use cranny_scenario::{GraspChoice, OpenOptions, Recipe, RecipeRobot, SetMaker};
 use cranny_task::{Carrier, LiftOffSettings, Pick, Problem, State};
 use rayon::prelude::*;
 
@@ -15,6 +15,8 @@ use crate::{DatasetError, DatasetRecipe};
 pub struct SceneSource {
     recipe: DatasetRecipe,
     makers: Vec<SetMaker>,
+    /// Robot of each maker, with its files.
+    robots: Vec<RecipeRobot>,
     /// Carriers of the object in the first scene of each kind and number of bodies, made at their first use.
     carriers: Mutex<Carriers>,
 }
@@ -26,16 +28,34 @@ impl SceneSource {
     /// Samples the grasps of all objects, which takes about a second.
     ///
     /// # Errors
-    /// Unknown families or robots, and ranges that exceed those of a family.
+    /// Unknown families or robots, two robots of one name, and ranges that exceed those of a family.
     pub fn new(recipe: &DatasetRecipe) -> Result<Self, DatasetError> {
+        let kinds = recipe.kinds()?;
+        let robots: Vec<RecipeRobot> = kinds.iter().map(|(robot, ..)| robot.clone()).collect();
+        let mut names = BTreeSet::new();
+        for (path, kinds) in recipe.robots.iter().zip(robots.chunks(recipe.families.len().max(1))) {
+            let name = kinds.first().map_or("", |robot| robot.robot.name());
+            if !names.insert(name) {
+                let problem =
+                    format!("another robot of the recipe has the name '{name}' too; rows name robots");
+                return Err(DatasetError::Content { path: path.into(), problem });
+            }
+        }
         let make = |(robot, family, settings)| {
             SetMaker::new(family, robot, settings, |problem| {
                 cranny_plan::is_reached(problem).map_err(|fault| fault.to_string())
             })
         };
-        let makers: Result<Vec<SetMaker>, _> = recipe.kinds()?.into_par_iter().map(make).collect();
+        let makers: Result<Vec<SetMaker>, _> = kinds.into_par_iter().map(make).collect();
         let makers = makers?;
-        Ok(Self { recipe: recipe.clone(), makers, carriers: Mutex::default() })
+        Ok(Self { recipe: recipe.clone(), makers, robots, carriers: Mutex::default() })
+    }
+
+    /// Returns the robot of the recipe of a scene, with the files that a folder of the scenario needs.
+    pub(crate) fn robot_with_files(&self, scene: u64, recipe: &Recipe) -> RecipeRobot {
+        let mut robot = self.robots[self.recipe.kind_of(scene)].clone();
+        robot.scene_from_root = recipe.robot.scene_from_root;
+        robot
     }
 
     /// Recipe of the data set.

@@ -1,4 +1,5 @@
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use serde::Serialize;
 
@@ -30,8 +31,10 @@ pub struct DatasetStatistics {
     pub duration_s: Spread,
     /// Clearance along their paths, in metres.
     pub clearance_m: Spread,
-    /// Size of all rows on disk, in bytes.
+    /// Size of all rows on disk, in bytes, without pictures.
     pub bytes: u64,
+    /// Size of all pictures on disk, in bytes.
+    pub picture_bytes: u64,
 }
 
 /// Number of rows, and of those with a proven path.
@@ -78,10 +81,17 @@ impl DatasetStatistics {
         for chunk in folder.chunks() {
             if folder.has(chunk)? {
                 statistics.add(folder, &folder.read(chunk)?);
+                let size = |file: &PathBuf| {
+                    let found = std::fs::metadata(file);
+                    let found =
+                        found.map_err(|reason| DatasetError::Unreadable { path: file.clone(), reason });
+                    Ok::<u64, DatasetError>(found?.len())
+                };
                 for file in folder.files(chunk) {
-                    statistics.bytes += std::fs::metadata(&file)
-                        .map_err(|reason| DatasetError::Unreadable { path: file.clone(), reason })?
-                        .len();
+                    statistics.bytes += size(&file)?;
+                }
+                if let Some(file) = folder.pictures_file(chunk) {
+                    statistics.picture_bytes += size(&file)?;
                 }
                 done();
             }

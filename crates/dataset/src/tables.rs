@@ -7,6 +7,7 @@ use crate::demonstration::Demonstration;
 use crate::parquet::column::Column;
 use crate::parquet::reader::{Table, read_parquet};
 use crate::parquet::writer::parquet_file;
+use crate::pictures::Picture;
 use crate::scene_row::SceneRow;
 
 /// Format of the rows, in the metadata of each file.
@@ -59,6 +60,42 @@ pub(crate) fn scenes_file(rows: &[SceneRow]) -> Vec<u8> {
     parquet_file(&columns, &[("format", FORMAT)])
 }
 
+/// Returns the file of pictures.
+pub(crate) fn pictures_file(rows: &[Picture]) -> Vec<u8> {
+    let columns = [
+        ("scene", Column::Int64(rows.iter().map(|row| row.scene.cast_signed()).collect())),
+        ("camera", Column::Text(rows.iter().map(|row| row.camera.clone()).collect())),
+        ("width", Column::Int64(rows.iter().map(|row| row.width.cast_signed()).collect())),
+        ("height", Column::Int64(rows.iter().map(|row| row.height.cast_signed()).collect())),
+        ("intrinsics_px", Column::Doubles(rows.iter().map(|row| row.intrinsics_px.clone()).collect())),
+        ("pose", Column::Doubles(rows.iter().map(|row| row.pose.clone()).collect())),
+        ("depth_png", Column::Bytes(rows.iter().map(|row| row.depth_png.clone()).collect())),
+        ("segments_png", Column::Bytes(rows.iter().map(|row| row.segments_png.clone()).collect())),
+        ("segments", Column::Texts(rows.iter().map(|row| row.segments.clone()).collect())),
+    ];
+    parquet_file(&columns, &[("format", FORMAT)])
+}
+
+/// Reads a file of pictures.
+///
+/// # Errors
+/// [`DatasetError::Unreadable`], [`DatasetError::Content`].
+pub(crate) fn read_pictures(path: &Path) -> Result<Vec<Picture>, DatasetError> {
+    let mut table = Columns::read(path)?;
+    let mut rows = vec![Picture::default(); table.rows()];
+    table.numbers("scene", &mut rows, |row, value| row.scene = value.cast_unsigned())?;
+    table.texts("camera", &mut rows, |row, value| row.camera = value)?;
+    table.numbers("width", &mut rows, |row, value| row.width = value.cast_unsigned())?;
+    table.numbers("height", &mut rows, |row, value| row.height = value.cast_unsigned())?;
+    table.lists("intrinsics_px", &mut rows, |row, value| row.intrinsics_px = value)?;
+    table.lists("pose", &mut rows, |row, value| row.pose = value)?;
+    table.bytes("depth_png", &mut rows, |row, value| row.depth_png = value)?;
+    table.bytes("segments_png", &mut rows, |row, value| row.segments_png = value)?;
+    let Column::Texts(segments) = table.take("segments")? else { return Err(table.other("segments")) };
+    fill(&mut rows, segments, |row, value| row.segments = value);
+    Ok(rows)
+}
+
 /// Reads a file of demonstrations.
 ///
 /// # Errors
@@ -109,10 +146,7 @@ pub(crate) fn read_scenes(path: &Path) -> Result<Vec<SceneRow>, DatasetError> {
     fill(&mut rows, boxes, |row, value| row.boxes = value);
     table.lists("target_pose", &mut rows, |row, value| row.target_pose = value)?;
     table.lists("start", &mut rows, |row, value| row.start = value)?;
-    let Column::Bytes(results) = table.take("grasp_results")? else {
-        return Err(table.other("grasp_results"));
-    };
-    fill(&mut rows, results, |row, value| row.grasp_results = value);
+    table.bytes("grasp_results", &mut rows, |row, value| row.grasp_results = value)?;
     table.numbers("goals", &mut rows, |row, value| row.goals = value.cast_unsigned())?;
     table.numbers("rejected", &mut rows, |row, value| row.rejected = value.cast_unsigned())?;
     Ok(rows)
@@ -198,6 +232,17 @@ impl<'a> Columns<'a> {
         set: impl FnMut(&mut R, Vec<f64>),
     ) -> Result<(), DatasetError> {
         let Column::Doubles(values) = self.take(name)? else { return Err(self.other(name)) };
+        fill(rows, values, set);
+        Ok(())
+    }
+
+    fn bytes<R>(
+        &mut self,
+        name: &str,
+        rows: &mut [R],
+        set: impl FnMut(&mut R, Vec<u8>),
+    ) -> Result<(), DatasetError> {
+        let Column::Bytes(values) = self.take(name)? else { return Err(self.other(name)) };
         fill(rows, values, set);
         Ok(())
     }

@@ -2,12 +2,19 @@
 
 use std::fs;
 
-use cranny_dataset::{DatasetRecipe, DemonstrationTask};
+use std::path::Path;
+
+use cranny_dataset::{DatasetCameras, DatasetRecipe, DemonstrationTask, GraspReasons, recipe_schema};
 use cranny_plan::Registry;
+use cranny_scenario::RecipeRobot;
 
 fn read(text: &str) -> Result<DatasetRecipe, String> {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("recipe.yaml");
+    read_in(folder.path(), text)
+}
+
+fn read_in(folder: &Path, text: &str) -> Result<DatasetRecipe, String> {
+    let path = folder.join("recipe.yaml");
     fs::write(&path, text).unwrap();
     DatasetRecipe::read(&path, &Registry::default()).map_err(|fault| {
         let fault = fault.to_string();
@@ -40,8 +47,40 @@ fn faults_name_their_line_and_what_would_be_valid() {
         ("count: 1\nstart_spread: .nan", ":2: `start_spread` is NaN, but must be a number from 0 to 1"),
         ("count: 1\nplanner: reech", ":2: "),
         ("count: 1\nhold: -1", ":2: `hold` is -1"),
+        ("count: 1\nreasons: some", ":2: "),
+        (
+            "count: 1\ncameras: {default: 9}",
+            ":2: `cameras` is {\"default\":9}, but must be a file of cameras",
+        ),
+        ("count: 1\ncameras: 2", ":2: `cameras` is 2, but must be"),
+        ("count: 1\ncameras: none.yaml", ":2: "),
+        ("count: 1\nrobots: [./robot]", ":2: unknown name './robot' in `robots`"),
     ] {
         let found = read(text).unwrap_err();
         assert!(found.starts_with(fault), "{text}: {found}");
     }
+}
+
+#[test]
+fn robots_and_cameras_are_files_beside_the_recipe() {
+    let folder = tempfile::tempdir().unwrap();
+    RecipeRobot::load(Path::new("panda_mobile")).unwrap().write(&folder.path().join("own")).unwrap();
+    let cameras = "cameras:\n  - {name: left, width: 32, height: 24, field_of_view_deg: 70, position_m: [0.2, 0.8, 1.1], look_at_m: [1, 0, 0.4]}";
+    fs::write(folder.path().join("cameras.yaml"), cameras).unwrap();
+    let text = "count: 2\nrobots: [own, panda_mobile]\ncameras: cameras.yaml\nreasons: all";
+    let recipe = read_in(folder.path(), text).unwrap();
+    assert_eq!(recipe.robots, [folder.path().join("own").display().to_string(), "panda_mobile".to_owned()]);
+    assert_eq!(recipe.reasons, GraspReasons::All);
+    let Some(DatasetCameras::Placed(cameras)) = &recipe.cameras else { panic!("{:?}", recipe.cameras) };
+    assert_eq!((&cameras[0].name[..], cameras[0].size_px), ("left", [32, 24]));
+    assert_eq!(read("count: 2\ncameras: {default: 2}").unwrap().cameras, Some(DatasetCameras::Default(2)));
+}
+
+#[test]
+fn the_committed_schema_is_that_of_the_recipes() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/schema/dataset.schema.json");
+    if std::env::var_os("CRANNY_WRITE").is_some() {
+        fs::write(&path, recipe_schema()).unwrap();
+    }
+    assert_eq!(fs::read_to_string(&path).unwrap(), recipe_schema());
 }

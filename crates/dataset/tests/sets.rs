@@ -6,13 +6,14 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use cranny_dataset::{
-    CheckReport, CheckedRows, DatasetError, DatasetFolder, DatasetRecipe, DatasetShard, DatasetStatistics,
-    DemonstrationTask, FamilyRange, GenerateProgress, GenerateReport, PLAN_FILE, check, export_lerobot,
-    extract, generate, merge,
+    CheckReport, CheckedRows, DatasetCameras, DatasetError, DatasetFolder, DatasetRecipe, DatasetShard,
+    DatasetStatistics, Demonstration, DemonstrationTask, FamilyRange, GRASP_RESULTS, GenerateProgress,
+    GenerateReport, GraspReasons, PLAN_FILE, check, export_lerobot, extract, generate, merge,
 };
 use cranny_path::AuditSettings;
 use cranny_record::{PlanFile, PlanSource};
-use cranny_scenario::{OpenOptions, Scenario};
+use cranny_scenario::{OpenOptions, RecipeRobot, Scenario};
+use cranny_task::{IkAnnotationSettings, IkStatus, annotate_ik};
 
 /// A recipe of 260 rows in 130 scenes, three chunks, of the two families that are fast.
 fn recipe() -> DatasetRecipe {
@@ -188,4 +189,126 @@ fn all_rows_are_true_and_a_changed_one_is_found() {
     fs::write(&demonstrations, &sound[..sound.len() - 9]).unwrap();
     let fault = set.read(0).unwrap_err().to_string();
     assert!(fault.contains("000000.parquet: the file is damaged"), "{fault}");
+}
+
+#[test]
+fn pictures_and_reasons_change_no_row_and_a_false_picture_is_found() {
+    let place = tempfile::tempdir().unwrap();
+    let at = |name: &str| place.path().join(name);
+    let plain = DatasetRecipe { count: 12, queries_per_scene: 3, ..recipe() };
+    let full = DatasetRecipe {
+        cameras: Some(DatasetCameras::Default(2)),
+        reasons: GraspReasons::All,
+        ..plain.clone()
+    };
+    made(&plain, None, &at("plain"));
+    made(&full, None, &at("full"));
+    let [plain, set] = ["plain", "full"].map(|name| DatasetFolder::open(&at(name)).unwrap());
+    let (before, chunk) = (plain.read(0).unwrap(), set.read(0).unwrap());
+    assert_eq!(before.demonstrations, chunk.demonstrations);
+    assert_eq!(plain.read_pictures(0).unwrap(), []);
+
+    // Every grasp has a result, and those that came up before keep theirs.
+    let not_tried = GRASP_RESULTS.iter().position(|name| *name == "not-tried").unwrap();
+    for (scene, before) in chunk.scenes.iter().zip(&before.scenes) {
+        assert_eq!(scene.goals, before.goals);
+        for (result, before) in scene.grasp_results.iter().zip(&before.grasp_results) {
+            let was_tried = usize::from(*before) != not_tried;
+            assert!(usize::from(*result) != not_tried && (!was_tried || result == before));
+        }
+    }
+
+    // The results are those of another search for each grasp, as far as both are certain.
+    let solved = chunk.demonstrations.iter().find(|row| row.is_solved()).unwrap();
+    extract(&set, solved.row, &at("row")).unwrap();
+    let scenario = Scenario::open(&at("row").display().to_string(), &OpenOptions::default()).unwrap();
+    let problem = scenario.problem(cranny_collision::Margins::default()).unwrap();
+    let settings = IkAnnotationSettings { attempts: 400, seed: 5, ..IkAnnotationSettings::default() };
+    let annotations = annotate_ik(&problem, &settings, &|| (), &AtomicBool::new(false)).unwrap();
+    let scene = chunk.scenes.iter().find(|scene| scene.scene == solved.scene).unwrap();
+    assert_eq!(annotations.len(), scene.grasp_results.len());
+    let mut agreed = 0;
+    for (annotation, result) in annotations.iter().zip(&scene.grasp_results) {
+        let name = GRASP_RESULTS[usize::from(*result)];
+        match annotation.status {
+            IkStatus::HandCollides { .. } => assert_eq!(name, "hand-collides"),
+            IkStatus::OutOfReach { .. } => assert_eq!(name, "out-of-reach"),
+            IkStatus::Solved => agreed += usize::from(name == "reachable"),
+            _ => assert_ne!(name, "hand-collides"),
+        }
+    }
+    assert!(agreed > 10, "{agreed}");
+
+    // Each scene has its pictures, with the target and the robot in them, and they are checked.
+    let pictures = set.read_pictures(0).unwrap();
+    assert_eq!(pictures.len(), 2 * chunk.scenes.len());
+    for picture in &pictures {
+        assert!(picture.depth_png.starts_with(b"\x89PNG") && picture.segments_png.starts_with(b"\x89PNG"));
+        assert_eq!((picture.width, picture.height, picture.pose.len()), (320, 240, 7));
+        assert_eq!(picture.segments.last().map(String::as_str), Some("robot"));
+    }
+    assert_eq!(checked(&set).faults, []);
+    let file = set.pictures_file(0).unwrap();
+    let sound = fs::read(&file).unwrap();
+    let wanted = &pictures[3].depth_png;
+    let begin = sound.windows(wanted.len()).position(|window| window == wanted).unwrap();
+    let mut other = sound.clone();
+    other[begin + wanted.len() / 2] ^= 1;
+    fs::write(&file, &other).unwrap();
+    let faults = checked(&set).faults;
+    assert!(
+        !faults.is_empty() && faults.iter().all(|fault| fault.problem.contains("pictures of its scene 1"))
+    );
+
+    // Shards with pictures are merged.
+    let shards: Vec<_> = (1..=2).map(|index| DatasetShard { index, of: 2 }).collect();
+    for shard in &shards {
+        made(&full, Some(*shard), &at(&format!("part {}", shard.index)));
+    }
+    merge(&[at("part 1"), at("part 2")], &at("merged"), &mut || {}).unwrap();
+    fs::write(&file, sound).unwrap();
+    assert_eq!(files(&at("merged")), files(&at("full")));
+}
+
+#[test]
+fn a_robot_that_is_not_built_in_moves_into_the_set() {
+    let place = tempfile::tempdir().unwrap();
+    let at = |name: &str| place.path().join(name);
+    RecipeRobot::load(Path::new("panda_mobile")).unwrap().write(&at("own")).unwrap();
+    let recipe = DatasetRecipe {
+        count: 6,
+        queries_per_scene: 2,
+        robots: vec![at("own").display().to_string()],
+        tasks: BTreeMap::from([(DemonstrationTask::Reach, 1.0)]),
+        ..recipe()
+    };
+    made(&recipe, None, &at("set"));
+    let report = made(&recipe, None, &at("set"));
+    assert_eq!((report.known, report.rows), (6, 0));
+
+    // The set does not need the files outside of it.
+    fs::rename(at("set"), at("moved")).unwrap();
+    fs::rename(at("own"), at("elsewhere")).unwrap();
+    let set = DatasetFolder::open(&at("moved")).unwrap();
+    let report = checked(&set);
+    assert!(report.faults.is_empty() && report.proven > 3, "{report:?}");
+    let row = set.read(0).unwrap().demonstrations.into_iter().find(Demonstration::is_solved).unwrap();
+    extract(&set, row.row, &at("row")).unwrap();
+    let scenario = Scenario::open(&at("row").display().to_string(), &OpenOptions::default()).unwrap();
+    let problem = scenario.problem(cranny_collision::Margins::default()).unwrap();
+    let plan = PlanFile::read(&at("row").join(PLAN_FILE)).unwrap();
+    let source = PlanSource { scenario: "row".to_owned(), ..PlanSource::default() };
+    assert!(plan.judge(&source, &problem, AuditSettings::default()).unwrap().unwrap().audit.valid);
+    export_lerobot(&set, 10.0, &at("lerobot"), &mut || {}).unwrap();
+
+    // Another robot at the same path is not that of the set.
+    fs::rename(at("moved"), at("set")).unwrap();
+    fs::rename(at("elsewhere"), at("own")).unwrap();
+    let urdf = fs::read_dir(at("own")).unwrap().map(|entry| entry.unwrap().path());
+    let urdf = urdf.into_iter().find(|path| path.extension().is_some_and(|end| end == "urdf")).unwrap();
+    let text = fs::read_to_string(&urdf).unwrap();
+    fs::write(&urdf, format!("{text}<!-- changed -->\n")).unwrap();
+    let progress = GenerateProgress { done: &|_, _| {}, stop: &AtomicBool::new(false), threads: 1 };
+    let fault = generate(&recipe, None, &at("set"), &progress).unwrap_err();
+    assert!(matches!(fault, DatasetError::OtherDataset { .. }), "{fault}");
 }

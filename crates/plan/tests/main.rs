@@ -11,6 +11,7 @@ mod bad_input;
 mod baselines;
 mod full_turns;
 mod grasp_choice;
+mod guess;
 mod hand_filter;
 mod ik_annotation;
 mod optimise;

@@ -1,11 +1,12 @@
 use clap::{Args, Subcommand};
+use cranny_dataset::recipe_schema;
 
-use crate::Answer;
 use crate::arguments::Output;
 use crate::content::dataset_check::{self, CheckArguments};
 use crate::content::dataset_export::{self, ExportArguments, ExtractArguments};
 use crate::content::dataset_generate::{self, GenerateArguments, MergeArguments};
 use crate::failure::Failure;
+use crate::{Answer, text};
 
 #[derive(Clone, Debug, Args)]
 pub struct DatasetArguments {
@@ -25,6 +26,8 @@ pub enum DatasetCommand {
     Extract(ExtractArguments),
     /// Write the demonstrations in the layout of another program
     Export(ExportArguments),
+    /// Print the JSON Schema of recipes
+    Schema,
 }
 
 pub fn run(arguments: &DatasetArguments, output: Output) -> Result<Answer, Failure> {
@@ -34,5 +37,9 @@ pub fn run(arguments: &DatasetArguments, output: Output) -> Result<Answer, Failu
         DatasetCommand::Check(arguments) => dataset_check::run(arguments, output),
         DatasetCommand::Extract(arguments) => dataset_export::extract(arguments, output),
         DatasetCommand::Export(arguments) => dataset_export::run(arguments, output),
+        DatasetCommand::Schema => {
+            text::print(&recipe_schema())?;
+            Ok(Answer::Done)
+        }
     }
 }

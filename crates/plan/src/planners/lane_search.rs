@@ -16,6 +16,7 @@ use crate::wall_clock::now;
 use crate::{Observer, Outcome, PathSearch, PlanError, PlanReport, Reach, Statistics};
 
 mod below;
+mod guess;
 mod within_bounds;
 
 /// Number of iterations after which the sampling box grows by another [`Reach::detour`]: most problems are solved before.
@@ -107,7 +108,7 @@ impl<'a> LaneSearch<'a> {
     /// Creates a search that has not begun.
     ///
     /// # Errors
-    /// [`TaskError::Goal`] for a criterion other than `exact`.
+    /// [`TaskError::Goal`] for a criterion other than `exact`; [`PlanError::Setting`] for a guess of another robot.
     pub fn new(
         settings: Reach,
         problem: &'a Problem,
@@ -115,6 +116,7 @@ impl<'a> LaneSearch<'a> {
         (clock, seed): (Clock, u64),
     ) -> Result<Self, PlanError> {
         let cell = problem.exact_cell("reach")?;
+        let settings = settings.within_limits(problem)?;
         let forest = Forest::new(problem.robot().dof(), metric);
         let mut random = Stream::new(seed, 0);
         let shares = EvenSequence::new(problem.robot().dof(), &mut random);
@@ -183,6 +185,7 @@ impl<'a> LaneSearch<'a> {
         self.add_root(0, start, 0.0, observer);
         let goals = goals.iter().zip(&free[1..]).filter(|(_, is_free)| **is_free);
         self.waiting.extend(goals.map(|(goal, _)| (goal.clone(), 0.0)));
+        self.follow_guess(observer);
         self.stage = SearchState::Between;
         Ok(())
     }
@@ -224,7 +227,11 @@ impl<'a> LaneSearch<'a> {
                 if pool.is_hopeless() {
                     return Err(Outcome::NoReachableGrasp);
                 }
-                let found = pool.draw(&mut self.random, &mut self.scratch, &mut self.statistics);
+                let end = self.settings.guess.last().filter(|_| self.statistics.iterations == 1);
+                let found = match end {
+                    Some(end) => pool.draw_near(end, &mut self.scratch, &mut self.statistics),
+                    None => pool.draw(&mut self.random, &mut self.scratch, &mut self.statistics),
+                };
                 let cost = |grasp: usize| self.grasp_costs.get(grasp).copied().unwrap_or(0.0);
                 self.waiting.extend(found.into_iter().map(|(grasp, goal)| (goal, cost(grasp))));
             }
@@ -246,7 +253,8 @@ impl<'a> LaneSearch<'a> {
     fn add_goal(&mut self, goal: &[f64], cost: f64, observer: &mut dyn Observer) -> Option<Path> {
         let root = self.remember_goal(goal, cost, observer)?;
         self.laps.begin();
-        self.meet(1, root, observer)
+        let met = self.meet(1, root, observer);
+        if met.is_some() || self.goals.len() > 1 { met } else { self.follow_back(root, observer) }
     }
 
     /// Grows one side towards a random configuration, and the other side to the end of that growth.
@@ -404,6 +412,9 @@ impl<'a> LaneSearch<'a> {
         path.reverse();
         // Both paths end at the meeting configuration, which is added once.
         path.extend(way(1).skip(1));
+        if !self.settings.guess.is_empty() {
+            path.dedup();
+        }
         self.joined = Some(ends);
         Some(path)
     }

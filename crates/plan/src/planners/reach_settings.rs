@@ -1,4 +1,5 @@
 use cranny_spatial::LANES;
+use cranny_task::Problem;
 use serde::{Deserialize, Serialize};
 
 use crate::{PlanError, Ranges};
@@ -16,6 +17,11 @@ use crate::{PlanError, Ranges};
 ///    straight edge of the path is proven as a whole. An edge without a proof is cut off at its fault, with its descendants.
 ///
 /// One iteration is one random configuration.
+///
+/// With a `guess`, such as the output of a learned policy, the search begins along it: the tree from the start grows from one way
+/// point to the next as far as they are free, and the first inverse kinematics begins at the last one, for the grasps nearest to
+/// it. If both meet at once, the guess is the path, with its end moved to a grasp, and is proven like any other; otherwise the
+/// first goal grows back along the guess, and the search goes on from there.
 ///
 /// Sources:
 ///
@@ -46,11 +52,14 @@ pub struct Reach {
     pub detour: f64,
     /// Maximum distance of a target from a node that was blocked at once, in the metric weighted by reach. Default 2.
     pub domain: f64,
+    /// Way points of a path from the start to about a goal that is likely to be free, or nearly (m, rad; one value per joint), for
+    /// this problem alone. Default: none.
+    pub guess: Vec<Vec<f64>>,
 }
 
 impl Default for Reach {
     fn default() -> Self {
-        Self { step: 0.25, looks: 4, goals: 100, detour: 0.5, domain: 2.0 }
+        Self { step: 0.25, looks: 4, goals: 100, detour: 0.5, domain: 2.0, guess: Vec::new() }
     }
 }
 
@@ -62,6 +71,28 @@ impl Reach {
             .count("looks", self.looks, LANES)?
             .count("goals", self.goals, usize::MAX)?
             .positive("detour", self.detour)?
-            .positive("domain", self.domain)
+            .positive("domain", self.domain)?
+            .way_points("guess", &self.guess)
+    }
+
+    /// Returns these settings with the guess moved into the joint limits.
+    ///
+    /// # Errors
+    /// [`PlanError::Setting`] for way points of another robot.
+    pub(crate) fn within_limits(mut self, problem: &Problem) -> Result<Self, PlanError> {
+        let robot = problem.robot();
+        let dof = robot.dof();
+        if let Some(first) = self.guess.first().filter(|q| q.len() != dof) {
+            let count = first.len();
+            let problem =
+                format!("the way points of 'guess' have {count} values, but the robot has {dof} joints");
+            return Err(PlanError::Setting { planner: "reach".to_owned(), problem });
+        }
+        for q in &mut self.guess {
+            for (value, limits) in q.iter_mut().zip(robot.limits()) {
+                *value = limits.clamp(*value);
+            }
+        }
+        Ok(self)
     }
 }

@@ -1,3 +1,5 @@
+use std::time::Instant;
+
 use cranny_collision::{Cell, Collider, Contact, Scratch};
 use cranny_grasp::GraspSet;
 use cranny_robot::{IK_BATCH, IkBatch, IkSettings, between};
@@ -15,6 +17,8 @@ const ATTEMPTS_PER_POSE: usize = 16;
 const FIRST_POSES: usize = 8;
 /// Attempts per goal that delay the next batch by one iteration, once there is a goal.
 const ATTEMPTS_PER_ITERATION: u64 = 8;
+/// Angle between two poses of the hand as a distance: about the size of a hand, in metres per radian.
+const METRES_PER_RADIAN: f64 = 0.1;
 /// Maximum number of iterations between two batches.
 const MOST_ITERATIONS: u64 = 8;
 
@@ -171,6 +175,59 @@ impl<'a> GoalPool<'a> {
             }
             *grasp
         });
+        self.run_batch(grasps, begin, scratch, statistics)
+    }
+
+    /// Returns the goals (m, rad; one value per joint) of one batch at the open grasps nearest to the pose of the hand at `q`, from
+    /// where each attempt begins, each with its grasp, the nearest first; none for a source of grasps or regions.
+    pub(crate) fn draw_near(
+        &mut self,
+        q: &[f64],
+        scratch: &mut Scratch,
+        statistics: &mut Statistics,
+    ) -> Vec<(usize, Vec<f64>)> {
+        let begin = now();
+        let frames = self.cell.robot().frames_at(q);
+        let at = frames.link(self.cell.robot().tip());
+        let apart = |pose: &Pose| {
+            let shift_m = (pose.translation.vector - at.translation.vector).norm();
+            shift_m + METRES_PER_RADIAN * pose.rotation.angle_to(&at.rotation)
+        };
+        let mut nearest: Vec<(f64, usize, Pose)> =
+            self.poses.iter().map(|(grasp, pose)| (apart(pose), *grasp, *pose)).collect();
+        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let is_open = |pose: &Pose, scratch: &mut Scratch| {
+            self.cell.hand_contact(pose, scratch).is_none()
+                && self.filter.is_none_or(|filter| filter.fault_of(pose).is_none())
+        };
+        let mut chosen: Vec<(usize, Pose)> = Vec::new();
+        for (_, grasp, pose) in nearest {
+            if chosen.len() == IK_BATCH {
+                break;
+            }
+            if is_open(&pose, scratch) {
+                chosen.push((grasp, pose));
+            }
+        }
+        if chosen.is_empty() {
+            return Vec::new();
+        }
+        for (attempt, (_, pose)) in chosen.iter().cycle().take(IK_BATCH).enumerate() {
+            self.batch.begin_at(attempt, pose, q);
+        }
+        let grasps = std::array::from_fn(|attempt| chosen[attempt % chosen.len()].0);
+        self.waited = 0;
+        self.run_batch(grasps, begin, scratch, statistics)
+    }
+
+    /// Runs the attempts of a batch for these grasps, and returns the goals.
+    fn run_batch(
+        &mut self,
+        grasps: [usize; IK_BATCH],
+        begin: Instant,
+        scratch: &mut Scratch,
+        statistics: &mut Statistics,
+    ) -> Vec<(usize, Vec<f64>)> {
         self.batch.run(IK_BATCH);
         // 3.
         let solutions: Vec<(usize, Vec<f64>)> = grasps

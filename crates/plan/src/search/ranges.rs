@@ -64,6 +64,19 @@ impl Ranges {
         })
     }
 
+    /// Checks that all way points of a path (m, rad; one value per joint) have finite values, as many as the first; there may be none.
+    ///
+    /// # Errors
+    /// [`PlanError::Setting`] for others.
+    pub fn way_points(self, setting: &str, path: &[Vec<f64>]) -> Result<Self, PlanError> {
+        let dof = path.first().map_or(0, Vec::len);
+        let bad = path.iter().position(|q| q.len() != dof || !q.iter().all(|value| value.is_finite()));
+        self.when(bad.is_none(), || {
+            let at = bad.unwrap_or(0);
+            format!("way point {at} of '{setting}' must have finite values, as many as there are joints")
+        })
+    }
+
     fn when(self, is_good: bool, problem: impl FnOnce() -> String) -> Result<Self, PlanError> {
         if is_good {
             return Ok(self);

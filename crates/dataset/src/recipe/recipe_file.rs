@@ -5,54 +5,117 @@ use std::path::Path;
 
 use cranny_file::did_you_mean;
 use cranny_plan::Registry;
-use cranny_scenario::{BUILTIN_ROBOTS, Family, SceneScale};
+use cranny_scenario::{BUILTIN_ROBOTS, Family, RecipeRobot, SceneScale};
 use cranny_solve::MOST_HOLD;
+use schemars::{JsonSchema, schema_for};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use serde_saphyr::{Location, Spanned};
 use strum::VariantArray as _;
 
-use crate::{DatasetError, DatasetRecipe, DemonstrationTask, FamilyRange};
+use crate::recipe::cameras::DatasetCameras;
+use crate::recipe::is_built_in;
+use crate::{DatasetError, DatasetRecipe, DemonstrationTask, FamilyRange, GraspReasons};
 
-/// Content of a recipe file.
-#[derive(Deserialize)]
+/// Recipe of a data set. Everything but `count` has a default.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct RecipeEntry {
+    /// Number of rows, each a query with its answer.
+    #[schemars(with = "u64")]
     count: Spanned<u64>,
+    /// Seed of all random numbers. Default 0.
     #[serde(default)]
     seed: Option<u64>,
+    /// Number of rows of each scene. Default 10.
     #[serde(default)]
+    #[schemars(with = "Option<u64>")]
     queries_per_scene: Option<Spanned<u64>>,
+    /// Families of the scenes: shelf, table, gap, gate. Default: all.
     #[serde(default)]
+    #[schemars(with = "Option<Vec<String>>")]
     families: Option<Spanned<Vec<Spanned<String>>>>,
+    /// Range of the parameter of a family, in metres. Default: the usual one.
     #[serde(default)]
+    #[schemars(with = "BTreeMap<String, [f64; 2]>")]
     ranges: BTreeMap<String, Spanned<[f64; 2]>>,
+    /// Built-in robots, and paths of others relative to this file. Default `panda_mobile`.
     #[serde(default)]
+    #[schemars(with = "Option<Vec<String>>")]
     robots: Option<Spanned<Vec<Spanned<String>>>>,
+    /// Maximum number of clutter objects. Default 3.
     #[serde(default)]
+    #[schemars(with = "Option<usize>")]
     clutter: Option<Spanned<usize>>,
+    /// Relative frequencies of reach, carry and place. Default: reach alone.
     #[serde(default)]
+    #[schemars(with = "Option<BTreeMap<String, f64>>")]
     tasks: Option<Spanned<BTreeMap<String, f64>>>,
+    /// Random starts about the robot's own, as a share of the joint ranges. Default 0.3.
     #[serde(default)]
+    #[schemars(with = "Option<f64>")]
     start_spread: Option<Spanned<f64>>,
+    /// Planner. Default `reach`.
     #[serde(default)]
+    #[schemars(with = "Option<String>")]
     planner: Option<Spanned<String>>,
+    /// Settings of the planner.
     #[serde(default)]
+    #[schemars(with = "Option<Map<String, Value>>")]
     settings: Option<Spanned<Map<String, Value>>>,
+    /// Iteration limit of each search. Default 2000.
     #[serde(default)]
+    #[schemars(with = "Option<u64>")]
     iterations: Option<Spanned<u64>>,
+    /// Number of changes tried to shorten a path. Default 15.
     #[serde(default)]
+    #[schemars(with = "Option<usize>")]
     changes: Option<Spanned<usize>>,
+    /// Required clearance of every motion, in metres. Default 0.
     #[serde(default)]
+    #[schemars(with = "Option<f64>")]
     margin_m: Option<Spanned<f64>>,
+    /// Required clearance between the hand and the target, in metres. Default 0.
     #[serde(default)]
+    #[schemars(with = "Option<f64>")]
     grasp_margin_m: Option<Spanned<f64>>,
+    /// Required factor of the hold on a carried object. Default: not checked.
     #[serde(default)]
+    #[schemars(with = "Option<f64>")]
     hold: Option<Spanned<f64>>,
+    /// Rate of the trajectories in exports, in Hz. Default 20.
     #[serde(default)]
+    #[schemars(with = "Option<f64>")]
     rate_hz: Option<Spanned<f64>>,
+    /// Licence of the data, an SPDX expression. Default CC-BY-4.0.
     #[serde(default)]
     licence: Option<String>,
+    /// `tried`: results at the grasps that came up; `all`: at all grasps of each scene. Default `tried`.
+    #[serde(default)]
+    reasons: Option<GraspReasons>,
+    /// Cameras that take pictures of each scene: a file of cameras relative to this one, or {default: N} for N around the
+    /// target. Default: no pictures.
+    #[serde(default)]
+    #[schemars(with = "Option<CamerasEntry>")]
+    cameras: Option<Spanned<Value>>,
+}
+
+/// Cameras of a recipe: the name of a file, or a number of default ones.
+#[derive(JsonSchema)]
+#[serde(untagged)]
+#[allow(dead_code, reason = "for the schema alone")]
+enum CamerasEntry {
+    File(String),
+    Default { default: u8 },
+}
+
+/// Returns the JSON Schema of recipe files.
+pub fn recipe_schema() -> String {
+    let mut schema = schema_for!(RecipeEntry);
+    schema.insert("title".into(), "Cranny recipe of a data set".into());
+    let mut text = serde_json::to_string_pretty(&schema).unwrap_or_default();
+    text.push('\n');
+    text
 }
 
 /// Greatest number of rows: beyond it, indices of rows would no longer fit every reader.
@@ -67,12 +130,14 @@ const MOST_MARGIN_M: f64 = 1.0;
 /// Greatest limits of iterations and changes of one query.
 const MOST_ITERATIONS: u64 = 10_000_000;
 const MOST_CHANGES: u64 = 100_000;
+/// Greatest number of default cameras.
+const MOST_CAMERAS: u64 = 8;
 
 /// A fault and its place in the file.
 type Fault = (Location, String);
 
 impl DatasetRecipe {
-    /// Reads a recipe from a YAML file; `count` and `seed` replace those of the file if given.
+    /// Reads a recipe from a YAML file. Robots that are not built in and cameras are files relative to it.
     ///
     /// # Errors
     /// [`DatasetError::Unreadable`]; [`DatasetError::Recipe`] with the line.
@@ -87,12 +152,13 @@ impl DatasetRecipe {
         };
         let entry: RecipeEntry =
             cranny_file::yaml(&text).map_err(|reason| fault(reason.line as u64, reason.problem))?;
-        entry.recipe(registry).map_err(|(place, problem)| fault(place.line(), problem))
+        let folder = path.parent().unwrap_or(Path::new(""));
+        entry.recipe(registry, folder).map_err(|(place, problem)| fault(place.line(), problem))
     }
 }
 
 impl RecipeEntry {
-    fn recipe(self, registry: &Registry) -> Result<DatasetRecipe, Fault> {
+    fn recipe(self, registry: &Registry, folder: &Path) -> Result<DatasetRecipe, Fault> {
         let default = DatasetRecipe::default();
         let tasks = self.tasks.map_or(Ok(default.tasks), weights)?;
         let planner = match self.planner {
@@ -116,7 +182,7 @@ impl RecipeEntry {
                 default.queries_per_scene,
                 [1, MOST_QUERIES],
             )?,
-            robots: names("robots", self.robots, default.robots, &robot_names())?,
+            robots: robots(self.robots, default.robots, folder)?,
             families: families(self.families, self.ranges, default.families)?,
             clutter: small("clutter", self.clutter, default.clutter, MOST_CLUTTER)?,
             tasks,
@@ -135,13 +201,52 @@ impl RecipeEntry {
             hold: self.hold.map(|hold| number("hold", Some(hold), 0.0, [0.0, MOST_HOLD])).transpose()?,
             rate_hz: number("rate_hz", self.rate_hz, default.rate_hz, [1.0, MOST_RATE_HZ])?,
             licence: self.licence.unwrap_or(default.licence),
+            reasons: self.reasons.unwrap_or_default(),
+            cameras: self.cameras.map(|given| cameras(given, folder)).transpose()?,
         };
         Ok(recipe)
     }
 }
 
-fn robot_names() -> Vec<&'static str> {
-    BUILTIN_ROBOTS.iter().map(|robot| robot.name).collect()
+/// Returns names of built-in robots, and paths of others, which are loaded once to see that they can be.
+fn robots(
+    given: Option<Spanned<Vec<Spanned<String>>>>,
+    default: Vec<String>,
+    folder: &Path,
+) -> Result<Vec<String>, Fault> {
+    let known: Vec<&str> = BUILTIN_ROBOTS.iter().map(|robot| robot.name).collect();
+    let is_path = |name: &str| !is_built_in(name) && folder.join(name).exists();
+    let listed = given.as_ref().into_iter().flat_map(|given| &given.value);
+    let paths: Vec<&str> = listed.map(|name| &name.value[..]).filter(|name| is_path(name)).collect();
+    let known: Vec<String> = known.into_iter().chain(paths).map(str::to_owned).collect();
+    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    let places: Vec<Location> =
+        given.as_ref().into_iter().flat_map(|given| &given.value).map(|name| name.referenced).collect();
+    let mut robots = names("robots", given, default, &known)?;
+    for (robot, place) in robots.iter_mut().zip(places) {
+        if !is_built_in(robot) {
+            let path = folder.join(&robot[..]);
+            RecipeRobot::load(&path).map_err(|fault| (place, fault.to_string()))?;
+            *robot = path.display().to_string();
+        }
+    }
+    Ok(robots)
+}
+
+fn cameras(given: Spanned<Value>, folder: &Path) -> Result<DatasetCameras, Fault> {
+    let Spanned { value, referenced, .. } = given;
+    if let Value::String(file) = &value {
+        return DatasetCameras::read(&folder.join(file)).map_err(|fault| (referenced, fault.to_string()));
+    }
+    let count = value.as_object().filter(|entry| entry.len() == 1).and_then(|entry| entry.get("default"));
+    let count = count.and_then(Value::as_u64).filter(|count| (1..=MOST_CAMERAS).contains(count));
+    let problem = || {
+        format!(
+            "`cameras` is {value}, but must be a file of cameras, or {{default: N}} with N from 1 to {MOST_CAMERAS}"
+        )
+    };
+    let count = count.and_then(|count| usize::try_from(count).ok()).ok_or_else(|| (referenced, problem()))?;
+    Ok(DatasetCameras::Default(count))
 }
 
 fn whole(
