@@ -59,14 +59,14 @@ pub struct ViewReport {
     pub camera: Camera,
     /// In hand: proven motion from the start to the configuration of the view (m, rad; one value per joint), else empty.
     pub motion: Vec<Vec<f64>>,
-    /// Volumes of the mapped region that all views so far show to be free, in which surfaces may have been measured, and that none
+    /// Volumes of the mapped region that all views until then show to be free, in which surfaces may have been measured, and that none
     /// of them has seen, in cubic metres.
     pub free_m3: f64,
     /// Volume in which surfaces may have been measured.
     pub occupied_m3: f64,
     /// Volume that no view has seen.
     pub unseen_m3: f64,
-    /// Outcome of the search in the space seen so far.
+    /// Outcome of the search in the space seen until then.
     pub outcome: Outcome,
     /// Cells that block the best candidate, if the search failed and there is a candidate.
     pub blockage: Option<Blockage>,
@@ -296,7 +296,7 @@ impl<'a> Exploration<'a> {
     }
 }
 
-/// Returns true if a free-standing camera has room in the true scenario.
+/// Returns true if a free-standing camera is free in the true scenario.
 fn is_free_in(scene: &SensedScene, camera: &Camera) -> bool {
     /// Least depth of anything before the camera, in metres.
     const LEAST_ROOM_M: f64 = 0.1;

@@ -18,7 +18,7 @@ pub struct NextView {
     /// Number of the blocking cells whose centres it would see through cells that are not occupied, if all unseen ones are free.
     pub sees: usize,
     /// Number of the blocking cells that the view is predicted to show to be free: by the map of a view that is predicted from the
-    /// points measured so far. `None` without earlier views.
+    /// points measured before. `None` without earlier views.
     pub frees: Option<usize>,
     /// Number of better poses that were refused: no configuration or proven motion reaches them, or something is there.
     pub refused: usize,

@@ -14,7 +14,7 @@ pub(crate) struct Predictions<'a> {
     options: SeenOptions,
     sensor: SensorModel,
     cells: &'a [MetCell],
-    /// Points measured so far, without those of known bodies, with the widths of their pixels (m).
+    /// Points measured before, without those of known bodies, with the widths of their pixels (m).
     points: Vec<(Point, f64)>,
     /// Cells of the present map.
     grid: OccupancyGrid,
