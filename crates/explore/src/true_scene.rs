@@ -1,6 +1,6 @@
 use cranny_path::{AuditSettings, audit_task};
 use cranny_solve::Answer;
-use cranny_task::Problem;
+use cranny_task::{Problem, Stage};
 
 use crate::ExploreError;
 
@@ -10,7 +10,9 @@ use crate::ExploreError;
 /// # Errors
 /// Those of [`audit_task`].
 pub fn true_contact(truth: &Problem, answer: &Answer) -> Result<Option<String>, ExploreError> {
-    let audit = audit_task(truth, &answer.stages, &answer.segments, AuditSettings::default())?;
+    let of_goal = Stage::of_goal(truth);
+    let stages = if answer.stages.is_empty() { &of_goal } else { &answer.stages };
+    let audit = audit_task(truth, stages, &answer.segments, AuditSettings::default())?;
     Ok(match audit.violations.first() {
         Some(violation) => Some(violation.to_string()),
         None => (!audit.valid).then(|| "the audit is not complete".to_owned()),

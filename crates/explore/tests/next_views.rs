@@ -10,6 +10,7 @@ use cranny_sense::{CameraFrame, Noise, PlacedCamera, View};
 use cranny_shape::{Solid, separation};
 use cranny_solve::Request;
 use cranny_spatial::{Point, Pose};
+use cranny_task::Stage;
 
 use crate::scene::{bad_camera, behind_a_wall, options};
 
@@ -46,7 +47,9 @@ fn a_scene_behind_a_wall_is_explored_until_a_plan_is_proven() {
     assert!(last.unseen_m3 < first.unseen_m3 && last.free_m3 > first.free_m3);
     // The plan is valid in the seen space, and in the true scene.
     let seen = explored.seen.problem(Margins::default()).unwrap();
-    let audit = audit_task(&seen, &[], &explored.answer.segments, AuditSettings::default()).unwrap();
+    let audit =
+        audit_task(&seen, &Stage::of_goal(&seen), &explored.answer.segments, AuditSettings::default())
+            .unwrap();
     assert!(audit.valid, "{:?}", audit.violations.first());
     let problem = truth.problem(Margins::default()).unwrap();
     assert_eq!(true_contact(&problem, &explored.answer).unwrap(), None);
