@@ -28,7 +28,7 @@ obstacles:
 target:
   name: target
   pose: {position: [0.45, 0, 0]}
-  shapes: [{ball: {radius: 0.04}}]
+  shapes: [{sphere: {radius: 0.04}}]
 ";
 
 const CAMERAS: &str = "cameras:
