@@ -14,6 +14,7 @@ use crate::choices::{
     TimingArgument, least_score,
 };
 use crate::number_argument::{MOST_ITERATIONS, millimetres, pose_error, seconds, whole};
+use crate::planning::explore_arguments::ExploreArguments;
 
 /// Output format and verbosity of a command.
 #[derive(Clone, Copy, Debug, Args)]
@@ -130,6 +131,8 @@ const MOST_TRIES: u64 = 1000;
   cranny plan 031 --place outside --min-score load=3
   cranny plan 021 --grasps none
   cranny plan --moveit scene0001.yaml request0001.yaml
+  cranny plan 021 --explore --noise-seed 1 -o seen021
+  cranny plan 021 --explore --views 12 --camera hand --cameras cameras.yaml
   cranny plan 021 --json --quiet", mut_arg("id", |id| id
     .required(false)
     .required_unless_present("moveit")
@@ -165,8 +168,14 @@ pub struct PlanArguments {
     /// Seed of all random numbers: the same seed gives the same path
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
-    /// Time limit of the search, in seconds
-    #[arg(long, value_name = "S", default_value = "120", value_parser = seconds)]
+    /// Time limit of the search, in seconds; with --explore, of each search, and 5 by default
+    #[arg(
+        long,
+        value_name = "S",
+        default_value = "120",
+        default_value_if("explore", ArgPredicate::IsPresent, "5"),
+        value_parser = seconds
+    )]
     pub time_limit: Duration,
     /// Maximum number of iterations of the search [default: no limit]
     #[arg(long, value_name = "N", value_parser = whole(0..=MOST_ITERATIONS))]
@@ -266,7 +275,10 @@ pub struct PlanArguments {
     /// Maximum angular speed of the hand and of the object that it holds, in degrees a second
     #[arg(long, value_name = "[MODE=]DEG/S")]
     pub turn_speed: Vec<SpeedOption>,
-    /// File to write the plan to, even if the search failed [default: ID.plan.json in this folder, only if solved]
+    #[command(flatten)]
+    pub explore: ExploreArguments,
+    /// File to write the plan to, even if the search failed [default: ID.plan.json in this folder, only if solved]; with
+    /// --explore, the new folder to write [default: ID.explored, only if solved]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Write a certificate too, as `cranny certify` does; without one the exit code is 1

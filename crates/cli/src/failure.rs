@@ -1,5 +1,6 @@
 use std::path::PathBuf;
 
+use cranny_explore::ExploreError;
 use cranny_path::PathError;
 use cranny_record::RecordError;
 use cranny_scenario::ScenarioError;
@@ -36,6 +37,9 @@ pub enum Failure {
     /// Invalid camera, depth image or point cloud.
     #[error(transparent)]
     Sense(#[from] cranny_sense::SenseError),
+    /// Exploration that cannot begin.
+    #[error(transparent)]
+    Explore(ExploreError),
     /// Server that cannot start.
     #[error(transparent)]
     Server(#[from] cranny_local_server::ServerError),
@@ -97,6 +101,18 @@ pub enum Failure {
     /// Standard output that cannot be written to.
     #[error("cannot write the answer: {0}")]
     Output(#[from] std::io::Error),
+}
+
+impl From<ExploreError> for Failure {
+    fn from(fault: ExploreError) -> Self {
+        match fault {
+            ExploreError::Scenario(fault) => Self::Scenario(fault),
+            ExploreError::Sense(fault) => Self::Sense(fault),
+            ExploreError::Solve(fault) => fault.into(),
+            ExploreError::Plan(fault) => Self::Plan(fault),
+            fault => Self::Explore(fault),
+        }
+    }
 }
 
 impl From<SolveError> for Failure {

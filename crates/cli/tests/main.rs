@@ -24,6 +24,7 @@ mod colours;
 mod commands;
 #[cfg(target_os = "linux")]
 mod enclosed_planners;
+mod explore;
 mod false_proofs;
 #[cfg(unix)]
 mod foreign_planners;

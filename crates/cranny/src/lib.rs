@@ -24,6 +24,7 @@ pub use cranny_certify as certify;
 #[cfg(feature = "command")]
 pub use cranny_cli as command;
 pub use cranny_collision as collision;
+pub use cranny_explore as explore;
 pub use cranny_grasp as grasp;
 pub use cranny_path as path;
 pub use cranny_plan as plan;

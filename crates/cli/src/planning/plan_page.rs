@@ -11,6 +11,7 @@ use cranny_solve::{HoldFactors, JointRadius, PoseRadius, Robustness, Tilt, ToolS
 use cranny_task::{GraspFailure, Mode, MotionEnd, Move, Segment, Stage};
 use serde::Serialize;
 
+use crate::planning::obstruction::Obstruction;
 use crate::statements::demanded_margins;
 use crate::text::{
     self, at_least_degrees, at_least_mm, at_most_degrees, at_most_mm, at_most_seconds, millimetres,
@@ -39,6 +40,9 @@ pub struct Answered<'a> {
     pub trajectory_file: Option<&'a Path>,
     /// Pair of bodies that limits the clearance.
     pub clearance_limit: Option<&'a ClearanceLimit>,
+    /// Seen space that blocks the best candidate, and the next view of it.
+    #[serde(flatten)]
+    pub obstruction: Option<Obstruction>,
     /// True if the planner generates the grasps of the first pick.
     #[serde(skip)]
     pub makes_first_grasps: bool,
@@ -409,6 +413,9 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
         }
     }
     blocked(plan, answered.makes_first_grasps, &mut line);
+    for (name, value) in answered.obstruction.iter().flat_map(Obstruction::lines) {
+        line(name, value);
+    }
     for fault in &answered.start_faults {
         line("start", fault.clone());
     }

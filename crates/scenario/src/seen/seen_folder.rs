@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use cranny_collision::Body;
+use cranny_sense::SeenMap;
 
 use crate::files::atomic_file::write_into;
 use crate::layout::own;
@@ -59,5 +60,15 @@ impl Scenario {
             clouds: Vec::new(),
             ..self.clone()
         })
+    }
+
+    /// Returns the scenario without the bodies that stand for a map of seen space, and as [`Self::with_known_bodies_only`].
+    ///
+    /// # Errors
+    /// [`ScenarioError::Collision`] for an invalid pose.
+    pub fn without_map(&self) -> Result<Self, ScenarioError> {
+        let names = self.world.bodies().iter().map(|body| &body.name);
+        let stated = names.filter(|name| ![SeenMap::OCCUPIED, SeenMap::UNSEEN].contains(&name.as_str()));
+        self.with_known_bodies_only(&stated.cloned().collect::<Vec<_>>())
     }
 }
