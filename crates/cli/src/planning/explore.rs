@@ -8,7 +8,7 @@ use cranny_path::AuditSettings;
 use cranny_plan::{Outcome, Registry};
 use cranny_record::{PlanFile, PlanOptions, PlanSource};
 use cranny_scenario::{
-    OpenOptions, Scenario, ScenarioError, SeenOptions, check_free_folder, write_whole_file,
+    OpenOptions, Recipe, Scenario, ScenarioError, SeenOptions, check_free_folder, write_whole_file,
     write_whole_folder,
 };
 use cranny_sense::{CameraFile, CameraFrame, DepthFormat};
@@ -72,6 +72,8 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
         Task::open(&arguments.task, Demand { margins, ..Demand::default() }, output)?;
     let place = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.explored", truth.id)));
     check_free_folder(&place)?;
+    // A scenario that cannot be written is refused before the search.
+    Recipe::of_scenario(&truth.with_known_bodies_only()?)?;
     let options = PlanOptions { registry: registry.clone(), ..ask(arguments, problem.robot().dof())? };
     let (request, _) = options.request(&problem, Some(&truth))?;
     let cameras = asked.cameras.as_deref().map(CameraFile::read).transpose()?;
