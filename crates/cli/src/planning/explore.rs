@@ -73,7 +73,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     let place = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.explored", truth.id)));
     check_free_folder(&place)?;
     // A scenario that cannot be written is refused before the search.
-    Recipe::of_scenario(&truth.with_known_bodies_only()?)?;
+    Recipe::of_scenario(&truth.with_known_bodies_only(&asked.known)?)?;
     let options = PlanOptions { registry: registry.clone(), ..ask(arguments, problem.robot().dof())? };
     let (request, _) = options.request(&problem, Some(&truth))?;
     let cameras = asked.cameras.as_deref().map(CameraFile::read).transpose()?;
