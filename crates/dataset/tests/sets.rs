@@ -205,7 +205,9 @@ fn pictures_and_reasons_change_no_row_and_a_false_picture_is_found() {
     made(&full, None, &at("full"));
     let [plain, set] = ["plain", "full"].map(|name| DatasetFolder::open(&at(name)).unwrap());
     let (before, chunk) = (plain.read(0).unwrap(), set.read(0).unwrap());
-    assert_eq!(before.demonstrations, chunk.demonstrations);
+    // Rows without a path hold NaN.
+    let text = |chunk: &cranny_dataset::Chunk| format!("{:?}", chunk.demonstrations);
+    assert!(text(&before) == text(&chunk), "pictures change a row");
     assert_eq!(plain.read_pictures(0).unwrap(), []);
 
     // Every grasp has a result, and those that came up before keep theirs.

@@ -12,7 +12,8 @@ fn unseen_map() -> SeenMap {
     let depth = DepthImage::new(8, 6, vec![f32::NAN; 48]).unwrap();
     let view = View::new("blind", camera, depth, SensorModel::default()).unwrap();
     let region = Aabb { center: Point::origin(), half_extents: Vector::repeat(0.64) };
-    let settings = SeenSettings { region, cell_m: 0.02, fine: Vec::new(), fine_m: 0.01, unseen: Unseen::Solid };
+    let settings =
+        SeenSettings { region, cell_m: 0.02, fine: Vec::new(), fine_m: 0.01, unseen: Unseen::Solid };
     SeenMap::new(&[view], &[], settings).unwrap()
 }
 

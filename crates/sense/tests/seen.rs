@@ -185,7 +185,7 @@ fn above_a_known_support_there_is_room_where_a_camera_sees_it() {
     // Below the post, and in the shadow of the shelf, the map is as before.
     assert!(meets(&map, finger(-0.3, 0.4)));
     assert!(map.layer_m()[0] > 0.01);
-    // Surfaces of other bodies farther from the table than the layer in which they cannot be told apart are never free.
+    // Surfaces of other bodies farther from the table than the layer in which they cannot be distinguished are never free.
     let high: Vec<Body> =
         others.into_iter().filter(|body| body.name == "top" || body.name == "board").collect();
     assert_eq!(wrongly_free(&map, &high, draws()), 0);

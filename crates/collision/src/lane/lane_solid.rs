@@ -9,7 +9,6 @@ use fearless_simd::{Simd, dispatch, f32x16};
 
 use crate::lane::lane_bits::bits;
 use crate::lane::lane_vector::{RELATIVE_ROUNDING, dot, is_shorter, lanes, minus, shorter};
-use crate::lane::single_frame::SingleFrame;
 
 /// A solid with a short formula for its distance to a point, in the planning frame or a link's.
 #[derive(Clone, Debug)]
@@ -97,10 +96,9 @@ impl LaneSolid {
         Some(if deepest > 0.0 { (x * x + y * y + z * z).sqrt() } else { deepest })
     }
 
-    /// Returns the boxes of a union, with the frame of their coordinates; `None` for other solids.
-    pub fn as_union(&self) -> Option<(&BoxUnion, SingleFrame)> {
-        let union = self.union.as_ref()?;
-        Some((union, SingleFrame { axes: self.rows, origin: self.origin }))
+    /// Returns the boxes of a union, with axes and origin of the frame of their coordinates; `None` for other solids.
+    pub fn as_union(&self) -> Option<(&BoxUnion, [[f32; 3]; 3], [f32; 3])> {
+        self.union.as_deref().map(|union| (union, self.rows, self.origin))
     }
 
     /// Creates a box along the axes of its frame by its centre and half extents (m).

@@ -10,7 +10,7 @@ pub(crate) struct Collector {
 }
 
 impl Collector {
-    /// Collector with room for `count` points, of which the source is known to have as many.
+    /// Collector of `count` points, of which the source is known to have as many.
     pub fn new(count: usize) -> Self {
         Self { points: Vec::with_capacity(count), dropped: 0 }
     }

@@ -146,7 +146,7 @@ impl SeenMap {
         self.detail_m
     }
 
-    /// Returns the thickness of the layer at the surface of a known body in which nothing else can be told apart from it: within the
+    /// Returns the thickness of the layer at the surface of a known body in which nothing else is distinguished from it: within the
     /// region, and within its fine boxes (m).
     pub fn layer_m(&self) -> [f64; 2] {
         self.layer_m
