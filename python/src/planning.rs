@@ -206,13 +206,7 @@ pub fn plan<'py>(
     let goes_on = is_exact && (carry.is_some() || place.is_some() || task.is_some());
     let grasp_margin_m =
         grasp_margin_m.unwrap_or_else(|| cranny_record::default_grasp_margin_m(goes_on, robust));
-    if let Some(degrees) = upright_deg.filter(|degrees| !(*degrees > 0.0 && *degrees <= 180.0)) {
-        return Err(bad_value(format!("upright_deg is {degrees}, but it must be above 0 and at most 180")));
-    }
-    if upright_deg.is_some() && carry.is_none() && place.is_none() && task.is_none() {
-        return Err(bad_value("upright: nothing is carried in this task"));
-    }
-    let tilt_rad = upright_deg.map(f64::to_radians);
+    let tilt_rad = tilt_of(upright_deg, carry.is_some() || place.is_some() || task.is_some())?;
     let margins = Margins { margin_m, grasp_margin_m, tilt_rad, ..Margins::default() };
     let mut asked = Task::of(scenario, forgiving(scenario, margins, robust)?)?;
     if strict_pairs {
@@ -299,6 +293,17 @@ pub fn plan<'py>(
         py.detach(|| page.show_with_tree(&plan, watched.end()))?;
     }
     Ok(plan)
+}
+
+/// Returns the maximum tilt of a carried object, in radians.
+fn tilt_of(upright_deg: Option<f64>, carries: bool) -> PyResult<Option<f64>> {
+    if let Some(degrees) = upright_deg.filter(|degrees| !(*degrees > 0.0 && *degrees <= 180.0)) {
+        return Err(bad_value(format!("upright_deg is {degrees}, but it must be above 0 and at most 180")));
+    }
+    if upright_deg.is_some() && !carries {
+        return Err(bad_value("upright: nothing is carried in this task"));
+    }
+    Ok(upright_deg.map(f64::to_radians))
 }
 
 /// Returns a scenario with this start.

@@ -14,9 +14,9 @@ use crate::lane::lane_vector::{RELATIVE_ROUNDING, dot, is_shorter, lanes, minus,
 #[derive(Clone, Debug)]
 pub(crate) struct LaneSolid {
     /// Rows of the rotation from that frame to the frame of the solid.
-    rows: [[f32; 3]; 3],
+    pub rows: [[f32; 3]; 3],
     /// Origin of the solid in that frame, in metres.
-    origin: [f32; 3],
+    pub origin: [f32; 3],
     kind: LaneKind,
     /// Boxes of a union.
     union: Option<Arc<BoxUnion>>,
@@ -96,9 +96,9 @@ impl LaneSolid {
         Some(if deepest > 0.0 { (x * x + y * y + z * z).sqrt() } else { deepest })
     }
 
-    /// Returns the boxes of a union, with axes and origin of the frame of their coordinates; `None` for other solids.
-    pub fn as_union(&self) -> Option<(&BoxUnion, [[f32; 3]; 3], [f32; 3])> {
-        self.union.as_deref().map(|union| (union, self.rows, self.origin))
+    /// Returns the boxes of a union, in its own frame; `None` for other solids.
+    pub fn as_union(&self) -> Option<&BoxUnion> {
+        self.union.as_deref()
     }
 
     /// Creates a box along the axes of its frame by its centre and half extents (m).

@@ -76,9 +76,9 @@ impl LaneBody {
             );
         }
         if !self.hulls.is_empty()
-            && let Some((union, axes, origin)) = part.solid.as_union()
+            && let Some(union) = part.solid.as_union()
         {
-            let union_frame = SingleFrame { axes, origin };
+            let union_frame = SingleFrame { axes: part.solid.rows, origin: part.solid.origin };
             let verdict = self.against_union(simd, frame, union, &union_frame, bars);
             let is_deep = verdict == Verdict::Doubt && closer(small, bars.contact_m);
             return if is_deep { Verdict::Contact } else { verdict };

@@ -392,10 +392,10 @@ mod tests {
                 prop_assert!(closer(least + 1e-5));
                 prop_assert!(least < 1e-3 || !closer(least - 1e-5), "{least}");
                 let mut found = vec![];
-                let reach_m = 0.05;
+                let (reach_m, narrow_reach_m) = (0.05, 0.05_f32);
                 #[allow(clippy::cast_possible_truncation, reason = "single precision is tested")]
                 let narrow = [0, 1, 2].map(|axis| point[axis] as f32);
-                dispatch!(simd_level(), simd => union.all_closer(simd, narrow, reach_m as f32, |index| {
+                dispatch!(simd_level(), simd => union.all_closer(simd, narrow, narrow_reach_m, |index| {
                     found.push(index);
                     true
                 }));
