@@ -165,7 +165,7 @@ def test_a_cloud_is_an_obstacle(robot: cranny.Robot, known: cranny.Scenario) -> 
     view = cranny.DepthView(image(robot, START, [POST]), INTRINSICS, ABOVE)
     points = np.vstack([view.points(), [[np.nan, 0.0, 0.0], [0.0, 50.0, 0.0]]])
     world = cranny.World.from_cloud(
-        points, 0.006, scenario=known, voxel_m=0.005, crop=[[-1, -1, -0.25], [1, 1, 1]], own_margin_m=0.02
+        points, 0.006, scenario=known, voxel_m=0.01, crop=[[-1, -1, -0.25], [1, 1, 1]], own_margin_m=0.02
     )
     counts = world.report["clouds"][0]
     assert counts["name"] == "cloud" and counts["points"] == SIZE * SIZE + 2 and counts["not_finite"] == 1

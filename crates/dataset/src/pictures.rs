@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use cranny_scenario::{OpenOptions, Recipe};
-use cranny_sense::{DepthFormat, StoredView, View, Views};
+use cranny_sense::{DepthFormat, Noise, StoredView, Views};
 
 use crate::DatasetError;
 use crate::recipe::cameras::DatasetCameras;
@@ -43,7 +43,7 @@ pub(crate) fn pictures(
     let (mut views, mut pictures) = (Vec::new(), Vec::new());
     for placed in cameras.of_scenario(&scenario, &sensed)? {
         let camera = placed.at(&scenario.robot, &scenario.start)?;
-        let rendered = sensed.render(&camera);
+        let segments = sensed.render(&camera).segments;
         pictures.push(Picture {
             scene,
             camera: placed.name.clone(),
@@ -54,8 +54,10 @@ pub(crate) fn pictures(
             segments: sensed.segments().iter().map(|segment| segment.name.clone()).collect(),
             ..Picture::default()
         });
-        let view = View::new(placed.name, camera, rendered.depth, placed.sensor)?;
-        views.push(StoredView { view, segments: Some(rendered.segments) });
+        // Without errors, and without depths beyond the range of the sensor.
+        let exact = Noise { factor: 0.0, ..Noise::default() };
+        let view = sensed.view(placed.name, &camera, &placed.sensor, &exact)?;
+        views.push(StoredView { view, segments: Some(segments) });
     }
     let files = Views { views, segments: sensed.segments().to_vec() }.files(DepthFormat::Png)?;
     let mut files: BTreeMap<String, Vec<u8>> =
