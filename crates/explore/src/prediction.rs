@@ -35,7 +35,7 @@ const KNOWN_M: f64 = 0.01;
 const MOST_WIDTH_PX: f64 = 9.0;
 
 impl<'a> Predictions<'a> {
-    /// Prepares predictions for a camera with this sensor from the views so far; `None` without views or a map.
+    /// Prepares predictions for a camera with this sensor from earlier views; `None` without views or a map.
     ///
     /// # Errors
     /// [`ExploreError::Sense`] for a body that cannot be rendered.
