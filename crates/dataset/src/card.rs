@@ -61,7 +61,10 @@ const PICTURE_COLUMNS: [[&str; 2]; 9] = [
     ["height", "height in pixels"],
     ["intrinsics_px", "focal lengths along x and y, principal point; pixel centres are whole numbers"],
     ["pose", "optical frame (z forward, x right, y down) in the planning frame: x, y, z, qw, qx, qy, qz"],
-    ["depth_png", "PNG of 16 bits: exact depths along z in mm, 0 for none; the robot is at its own start"],
+    [
+        "depth_png",
+        "PNG of 16 bits: exact depths along z in mm, 0 for none in the range of the sensor; the robot is at its own start",
+    ],
     ["segments_png", "PNG of 16 bits: number of the body that each pixel shows, 0 for none"],
     ["segments", "names of the bodies, from number 1; the last is the robot"],
 ];

@@ -31,6 +31,8 @@ pub struct DatasetCamera {
     pub size_px: [usize; 2],
     /// Focal lengths along x and y, then the principal point, in pixels.
     pub intrinsics_px: [f64; 4],
+    /// Least and greatest depth that its sensor returns, in metres.
+    pub range_m: [f64; 2],
     /// Pose of the optical frame in the planning frame or in that of the link: position (m), unit quaternion (w, x, y, z).
     pub pose: [f64; 7],
 }
@@ -42,7 +44,7 @@ impl DatasetCameras {
     /// As [`CameraFile::read`].
     pub(crate) fn read(path: &Path) -> Result<Self, SenseError> {
         let of = |placed: &PlacedCamera| {
-            let PlacedCamera { name, frame, camera, .. } = placed;
+            let PlacedCamera { name, frame, camera, sensor } = placed;
             DatasetCamera {
                 name: name.clone(),
                 link: match frame {
@@ -51,6 +53,7 @@ impl DatasetCameras {
                 },
                 size_px: [camera.width_px, camera.height_px],
                 intrinsics_px: [camera.focal_x_px, camera.focal_y_px, camera.center_x_px, camera.center_y_px],
+                range_m: [sensor.nearest_m, sensor.farthest_m],
                 pose: pose_numbers(&camera.world_from_camera),
             }
         };
@@ -82,6 +85,7 @@ impl DatasetCamera {
     fn placed(&self) -> PlacedCamera {
         let [x, y, z, qw, qx, qy, qz] = self.pose;
         let [focal_x_px, focal_y_px, center_x_px, center_y_px] = self.intrinsics_px;
+        let [nearest_m, farthest_m] = self.range_m;
         // The components are those that were written, so that the pictures are the same to the bit.
         let rotation = Rotation::new_unchecked(Quaternion::new(qw, qx, qy, qz));
         PlacedCamera {
@@ -96,7 +100,8 @@ impl DatasetCamera {
                 center_y_px,
                 world_from_camera: Pose::from_parts(Vector::new(x, y, z).into(), rotation),
             },
-            sensor: SensorModel::default(),
+            // Pictures have no errors.
+            sensor: SensorModel { nearest_m, farthest_m, ..SensorModel::default() },
         }
     }
 }
