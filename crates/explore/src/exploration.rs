@@ -9,7 +9,7 @@ use cranny_task::Criterion;
 
 use crate::blockage::is_proven;
 use crate::given_path::with_given_path;
-use crate::prospect::trial;
+use crate::prospect::{LEAST_ROOM_M, trial};
 use crate::robot_mask::without_robot;
 use crate::{
     Blockage, CameraKind, Candidate, ExploreError, NextView, find_blockage, next_fixed_view, next_hand_view,
@@ -301,12 +301,5 @@ impl<'a> Exploration<'a> {
 
 /// Returns true if a free-standing camera is free in the true scenario.
 fn is_free_in(scene: &SensedScene, camera: &Camera) -> bool {
-    /// Least depth of anything before the camera, in metres.
-    const LEAST_ROOM_M: f64 = 0.1;
-    trial(camera).is_ok_and(|camera| {
-        let render = scene.render(&camera);
-        let mut pixels = render.segments.iter().zip(render.depth.depths_m());
-        // Rays that start within a solid have a segment, but no depth.
-        pixels.all(|(segment, depth_m)| *segment == 0 || f64::from(*depth_m) >= LEAST_ROOM_M)
-    })
+    trial(camera).is_ok_and(|camera| scene.render(&camera).has_room(LEAST_ROOM_M))
 }

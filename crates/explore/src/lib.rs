@@ -8,7 +8,6 @@ mod fixed_view;
 mod given_path;
 mod hand_view;
 mod next_view;
-mod occupancy_grid;
 mod prediction;
 mod prospect;
 mod robot_mask;

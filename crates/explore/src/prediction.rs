@@ -1,9 +1,10 @@
 use cranny_scenario::{Scenario, SeenOptions};
-use cranny_sense::{Camera, DepthImage, Render, SegmentKind, SensedScene, SensorModel, View};
+use cranny_sense::{
+    Camera, Content, DepthImage, OccupancyGrid, Render, SegmentKind, SensedScene, SensorModel, View,
+};
 use cranny_spatial::Point;
 use rayon::prelude::*;
 
-use crate::occupancy_grid::{Content, OccupancyGrid};
 use crate::prospect::trial;
 use crate::{Blockage, CameraKind, ExploreError, MetCell};
 

@@ -1,8 +1,7 @@
 use cranny_scenario::Scenario;
-use cranny_sense::{Camera, Render, SeenMap, SenseError, SensedScene, SensorModel};
+use cranny_sense::{Camera, Content, OccupancyGrid, Render, SeenMap, SenseError, SensedScene, SensorModel};
 use cranny_spatial::{Point, Vector};
 
-use crate::occupancy_grid::{Content, OccupancyGrid};
 use crate::{Blockage, ExploreError, MetCell};
 
 /// Prospects of cameras: how many blocking cells they would see.
@@ -47,7 +46,7 @@ const BEHIND_M: f64 = 2.0;
 const WEIGHTS: [f64; 3] = [1.0, 0.7, 0.2];
 
 /// Least depth of anything before a free-standing camera, in metres, and distance within which nothing may have been measured.
-const LEAST_ROOM_M: f64 = 0.1;
+pub(crate) const LEAST_ROOM_M: f64 = 0.1;
 const LEAST_GAP_M: f64 = 0.05;
 
 impl<'a> Prospects<'a> {
@@ -99,10 +98,7 @@ impl<'a> Prospects<'a> {
         if places.any(|place| self.grid.at(&place) == Some(Content::Occupied)) {
             return Ok(false);
         }
-        let Render { depth, segments } = scene.render(&trial(camera)?);
-        // Rays that start within a solid have a segment, but no depth.
-        let mut pixels = segments.iter().zip(depth.depths_m());
-        Ok(pixels.all(|(segment, depth_m)| *segment == 0 || f64::from(*depth_m) >= LEAST_ROOM_M))
+        Ok(scene.render(&trial(camera)?).has_room(LEAST_ROOM_M))
     }
 
     /// Returns the prospect of a camera among known bodies, judged by every `stride`-th cell.

@@ -103,11 +103,7 @@ pub fn default_cameras(scene: &SensedScene, request: &DefaultCameras) -> Result<
         let Some(pose) = Camera::looking_at(&eye, &request.aim, &request.up) else { continue };
         let trial = Camera::with_field_of_view(TRIAL_PX, request.field_of_view_rad, pose)?;
         let seen = scene.render(&trial);
-        let is_free = seen.segments.iter().zip(seen.depth.depths_m()).all(|(segment, depth_m)| {
-            // Rays that start within a solid have a segment, but no depth.
-            *segment == 0 || f64::from(*depth_m) >= LEAST_ROOM_M
-        });
-        if !is_free {
+        if !seen.has_room(LEAST_ROOM_M) {
             continue;
         }
         let camera_from_world = pose.inverse();

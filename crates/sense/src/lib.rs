@@ -33,6 +33,7 @@ pub use octree::Octree;
 pub use rendering::render::Render;
 pub use scene::{Segment, SegmentKind, SensedScene};
 pub use seen::known_solids::KnownBody;
+pub use seen::occupancy_grid::{Content, OccupancyGrid};
 pub use seen::seen_map::{SeenMap, SeenSettings, Unseen};
 pub use sensor_model::SensorModel;
 pub use view::View;

@@ -1,7 +1,6 @@
 use std::collections::HashMap;
 
-use cranny_collision::Body;
-use cranny_scenario::{BodyColours, ObjectType, Scenario};
+use cranny_scenario::{ObjectType, Scenario};
 use cranny_sense::SeenMap;
 use cranny_shape::TriangleSoup;
 use cranny_spatial::{Point, Pose, Vector};
@@ -69,7 +68,7 @@ impl Scene {
         let carried = scene.add_robot(scenario, path)?;
         let objects: Vec<&str> =
             path.iter().flat_map(|path| &path.carries).map(|carry| carry.object.as_str()).collect();
-        scene.add_bodies(scenario.world.bodies(), scenario.target, &scenario.colours);
+        scene.add_bodies(scenario);
         scene.add_seen_space(scenario);
         scene.carry(scenario, &objects, &carried);
         scene.add_grasps(scenario, path.and_then(|path| path.grasp), settings.grasps);
@@ -195,11 +194,14 @@ impl Scene {
     }
 
     /// Adds the bodies of a world, `target` among them, in their own colours, or else in those of their kinds.
-    pub(crate) fn add_bodies(&mut self, bodies: &[Body], target: Option<usize>, colours: &BodyColours) {
+    fn add_bodies(&mut self, scenario: &Scenario) {
         let mut kinds = HashMap::new();
-        for (index, body) in bodies.iter().enumerate() {
-            let is_target = target == Some(index);
-            let own = colours.get(&body.name).map_or(&[][..], Vec::as_slice);
+        for (index, body) in scenario.world.bodies().iter().enumerate() {
+            if scenario.seen.is_some() && SeenMap::is_name_of_map(&body.name) {
+                continue;
+            }
+            let is_target = scenario.target == Some(index);
+            let own = scenario.colours.get(&body.name).map_or(&[][..], Vec::as_slice);
             for (place, part) in body.parts.iter().enumerate() {
                 let Some(soup) = part.solid.tessellation() else {
                     self.world_from_floor = Some(part.world_from_solid);
@@ -226,7 +228,6 @@ impl Scene {
         for ((name, colour, opacity), soup) in looks.into_iter().zip(seen_look::surfaces(&space.map)) {
             let bodies = scenario.world.bodies().iter().map(|body| body.name.as_str());
             let Some(body) = bodies.into_iter().position(|body| body == name) else { continue };
-            self.nodes.retain(|node| node.role != Role::Obstacle(body));
             let matt = Material::matt(name, Colour::hex(colour));
             let material = self.material(Material { opacity, roughness: 0.9, ..matt });
             let mesh = Some(self.mesh(name, vec![MeshPiece::of_soup(&soup, material)]));

@@ -14,6 +14,15 @@ pub struct Render {
     pub segments: Vec<u16>,
 }
 
+impl Render {
+    /// Returns true if all surfaces are at least this depth (m) before the camera, and it is in none of the solids.
+    pub fn has_room(&self, least_m: f64) -> bool {
+        // Rays that start within a solid have a segment, but no depth.
+        let mut pixels = self.segments.iter().zip(self.depth.depths_m());
+        pixels.all(|(segment, depth_m)| *segment == 0 || f64::from(*depth_m) >= least_m)
+    }
+}
+
 /// Meeting of a ray with the scene.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Meeting {

@@ -1,17 +1,22 @@
-use cranny_sense::SeenMap;
 use cranny_shape::Aabb;
 use cranny_spatial::{Point, Vector};
 
-/// Content of a point of a map.
+use crate::SeenMap;
+
+/// Content of a cell of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Content {
+pub enum Content {
+    /// It is seen to be free.
     Free,
+    /// No camera has seen into it.
     Unseen,
+    /// A surface may have been measured in it.
     Occupied,
 }
 
-/// Cells of a map as an array, for rays.
-pub(crate) struct OccupancyGrid {
+/// Cells of a map as an array, for rays and pictures: equally wide, so that smaller cells of the map are rounded to them.
+#[derive(Clone, Debug)]
+pub struct OccupancyGrid {
     low: Point,
     side_m: f64,
     counts: [usize; 3],
@@ -26,7 +31,9 @@ impl OccupancyGrid {
     pub fn new(map: &SeenMap) -> Self {
         let region = map.settings().region;
         let mut side_m = map.settings().cell_m;
-        let counts_at = |side_m: f64| region.half_extents.map(|half| (2.0 * half / side_m).ceil().max(1.0));
+        // A region is a whole number of cells, up to rounding.
+        let count = |half: f64, side_m: f64| (2.0 * half / side_m - 1e-6).ceil().max(1.0);
+        let counts_at = |side_m: f64| region.half_extents.map(|half| count(half, side_m));
         while counts_at(side_m).product() > MOST {
             side_m *= 2.0;
         }
@@ -64,6 +71,24 @@ impl OccupancyGrid {
                 self.content[row + z.start..row + z.end].fill(content);
             }
         }
+    }
+
+    /// Returns the number of cells along each axis.
+    pub fn counts(&self) -> [usize; 3] {
+        self.counts
+    }
+
+    /// Returns the corner of least coordinates, in the planning frame.
+    pub fn low(&self) -> Point {
+        self.low
+    }
+
+    /// Returns the content of a cell by its place along each axis.
+    ///
+    /// # Panics
+    /// If there is no such cell.
+    pub fn cell(&self, [x, y, z]: [usize; 3]) -> Content {
+        self.content[(x * self.counts[1] + y) * self.counts[2] + z]
     }
 
     /// Returns the content at a point; `None` outside of the region.

@@ -66,6 +66,11 @@ impl SeenMap {
     /// Name of the body that stands for unseen space.
     pub const UNSEEN: &str = "unseen";
 
+    /// Returns true if a body of this name stands for a part of a map.
+    pub fn is_name_of_map(name: &str) -> bool {
+        [Self::OCCUPIED, Self::UNSEEN].contains(&name)
+    }
+
     /// Maps a region as these views show it.
     ///
     /// # Errors

@@ -1,133 +1,70 @@
 use std::collections::HashMap;
 
-use cranny_sense::SeenMap;
-use cranny_shape::{Aabb, TriangleSoup};
-use cranny_spatial::Point;
+use cranny_sense::{Content, OccupancyGrid, SeenMap};
+use cranny_shape::TriangleSoup;
+use cranny_spatial::Vector;
 
 /// Surfaces of the space that cameras have seen: of cells with measured surfaces, and of cells that no camera has seen into, where they
 /// border on free ones. Free space is what is left of the region.
-///
-/// Cells are drawn as wide as the smallest ones of the map outside its fine boxes.
 pub(crate) fn surfaces(map: &SeenMap) -> [TriangleSoup; 2] {
-    let grid = Grid::of(map);
-    [Kind::Occupied, Kind::Unseen].map(|kind| grid.surface(kind))
+    let grid = OccupancyGrid::new(map);
+    [Content::Occupied, Content::Unseen].map(|content| surface(&grid, content))
 }
 
-/// Kind of a cell.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Free,
-    Unseen,
-    Occupied,
-}
-
-/// Kinds of all cells of a region, z fastest.
-struct Grid {
-    low: Point,
-    cell_m: f64,
-    size: [usize; 3],
-    cells: Vec<Kind>,
-}
-
-impl Grid {
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a map has a whole number of cells, at most 10⁹"
-    )]
-    fn of(map: &SeenMap) -> Self {
-        let settings = map.settings();
-        let (region, cell_m) = (settings.region, settings.cell_m);
-        let size = [0, 1, 2].map(|axis| (2.0 * region.half_extents[axis] / cell_m).round().max(1.0) as usize);
-        let mut grid =
-            Self { low: region.low(), cell_m, size, cells: vec![Kind::Free; size.iter().product()] };
-        // An occupied cell hides an unseen one of the same place.
-        for (kind, boxes) in [(Kind::Unseen, map.unseen()), (Kind::Occupied, map.occupied())] {
-            for aabb in boxes {
-                grid.fill(aabb, kind);
-            }
-        }
-        grid
-    }
-
-    /// Fills the cells whose centres a box contains, or the one that contains a smaller box.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the grid")]
-    fn fill(&mut self, aabb: &Aabb, kind: Kind) {
-        let range = [0, 1, 2].map(|axis| {
-            let place = |value: f64| (value - self.low[axis]) / self.cell_m;
-            let (first, end) = (place(aabb.low()[axis]), place(aabb.high()[axis]));
-            let last = self.size[axis] - 1;
-            let first = (first + 1e-6).floor().max(0.0) as usize;
-            let end = ((end - 1e-6).ceil().max(1.0) as usize).min(last + 1);
-            first.min(last)..end
-        });
-        let [x, y, z] = range;
-        for x in x {
-            for y in y.clone() {
-                let row = (x * self.size[1] + y) * self.size[2];
-                self.cells[row + z.start..row + z.end.max(z.start)].fill(kind);
-            }
-        }
-    }
-
-    fn kind(&self, [x, y, z]: [usize; 3]) -> Kind {
-        self.cells[(x * self.size[1] + y) * self.size[2] + z]
-    }
-
-    /// Returns the faces between cells of a kind and free ones; faces of a row are one rectangle.
-    fn surface(&self, kind: Kind) -> TriangleSoup {
-        let mut corners = Corners { grid: self, soup: TriangleSoup::default(), known: HashMap::new() };
-        for axis in 0..3 {
-            let (across, along) = ((axis + 1) % 3, (axis + 2) % 3);
-            for is_upper in [false, true] {
-                for layer in 0..self.size[axis] {
-                    let Some(next) = (if is_upper { layer.checked_add(1) } else { layer.checked_sub(1) })
-                        .filter(|next| *next < self.size[axis])
-                    else {
-                        continue;
+/// Returns the faces between cells of a content and free ones; faces of a row are one rectangle.
+fn surface(grid: &OccupancyGrid, content: Content) -> TriangleSoup {
+    let size = grid.counts();
+    let mut corners = Corners { grid, soup: TriangleSoup::default(), known: HashMap::new() };
+    for axis in 0..3 {
+        let (across, along) = ((axis + 1) % 3, (axis + 2) % 3);
+        for is_upper in [false, true] {
+            for layer in 0..size[axis] {
+                let Some(next) = (if is_upper { layer.checked_add(1) } else { layer.checked_sub(1) })
+                    .filter(|next| *next < size[axis])
+                else {
+                    continue;
+                };
+                for row in 0..size[across] {
+                    let is_face = |place: usize| {
+                        let mut cell = [0; 3];
+                        (cell[axis], cell[across], cell[along]) = (layer, row, place);
+                        let own = grid.cell(cell);
+                        cell[axis] = next;
+                        own == content && grid.cell(cell) == Content::Free
                     };
-                    for row in 0..self.size[across] {
-                        let is_face = |place: usize| {
-                            let mut cell = [0; 3];
-                            (cell[axis], cell[across], cell[along]) = (layer, row, place);
-                            let own = self.kind(cell);
-                            cell[axis] = next;
-                            own == kind && self.kind(cell) == Kind::Free
-                        };
-                        let mut place = 0;
-                        while place < self.size[along] {
-                            let first = place;
-                            while place < self.size[along] && is_face(place) {
-                                place += 1;
-                            }
-                            if place > first {
-                                let at = layer + usize::from(is_upper);
-                                let mut corner = |across_at: usize, along_at: usize| {
-                                    let mut corner = [0; 3];
-                                    (corner[axis], corner[across], corner[along]) = (at, across_at, along_at);
-                                    corners.index(corner)
-                                };
-                                let quad = [
-                                    corner(row, first),
-                                    corner(row + 1, first),
-                                    corner(row + 1, place),
-                                    corner(row, place),
-                                ];
-                                corners.add(quad, is_upper);
-                            }
+                    let mut place = 0;
+                    while place < size[along] {
+                        let first = place;
+                        while place < size[along] && is_face(place) {
                             place += 1;
                         }
+                        if place > first {
+                            let at = layer + usize::from(is_upper);
+                            let mut corner = |across_at: usize, along_at: usize| {
+                                let mut corner = [0; 3];
+                                (corner[axis], corner[across], corner[along]) = (at, across_at, along_at);
+                                corners.index(corner)
+                            };
+                            let quad = [
+                                corner(row, first),
+                                corner(row + 1, first),
+                                corner(row + 1, place),
+                                corner(row, place),
+                            ];
+                            corners.add(quad, is_upper);
+                        }
+                        place += 1;
                     }
                 }
             }
         }
-        corners.soup
     }
+    corners.soup
 }
 
 /// Surface whose corners are those of cells.
 struct Corners<'a> {
-    grid: &'a Grid,
+    grid: &'a OccupancyGrid,
     soup: TriangleSoup,
     known: HashMap<[usize; 3], u32>,
 }
@@ -136,8 +73,8 @@ impl Corners<'_> {
     fn index(&mut self, corner: [usize; 3]) -> u32 {
         let vertices = &mut self.soup.vertices;
         *self.known.entry(corner).or_insert_with(|| {
-            let place = corner.map(|count| count as f64 * self.grid.cell_m);
-            vertices.push(self.grid.low + cranny_spatial::Vector::from(place));
+            let place = corner.map(|count| count as f64 * self.grid.side_m());
+            vertices.push(self.grid.low() + Vector::from(place));
             // Far fewer than `u32` can count.
             u32::try_from(vertices.len() - 1).unwrap_or_default()
         })
@@ -154,8 +91,8 @@ impl Corners<'_> {
 mod tests {
     use cranny_collision::{Body, World};
     use cranny_sense::{Camera, Noise, SeenSettings, SensedScene, SensorModel, Unseen};
-    use cranny_shape::Solid;
-    use cranny_spatial::{Pose, Vector};
+    use cranny_shape::{Aabb, Solid};
+    use cranny_spatial::{Point, Pose, Vector};
 
     use super::*;
 
@@ -179,9 +116,11 @@ mod tests {
             unseen: Unseen::Solid,
         };
         let map = SeenMap::new(&[view], &[], settings).expect("a map");
-        let grid = Grid::of(&map);
-        let cell_m3 = grid.cell_m.powi(3);
-        let free_m3 = grid.cells.iter().filter(|kind| **kind == Kind::Free).count() as f64 * cell_m3;
+        let grid = OccupancyGrid::new(&map);
+        let cell_m3 = grid.side_m().powi(3);
+        let [x, y, z] = grid.counts();
+        let cells = (0..x * y * z).map(|index| [index / (y * z), index / z % y, index % z]);
+        let free_m3 = cells.filter(|cell| grid.cell(*cell) == Content::Free).count() as f64 * cell_m3;
         assert!((free_m3 - map.free_m3()).abs() < 1e-9, "cells of one size");
         let [occupied, unseen] = surfaces(&map);
         assert!(!occupied.triangles.is_empty());
@@ -193,16 +132,11 @@ mod tests {
             for [a, b, c] in &soup.triangles {
                 let [a, b, c] = [a, b, c].map(|index| soup.vertices[*index as usize]);
                 let normal = (b - a).cross(&(c - a)).normalize();
-                let kind_at = |shift: f64| {
-                    let middle = a + (b - a) * 0.26 + (c - a) * 0.26 + normal * shift * grid.cell_m;
-                    #[allow(
-                        clippy::cast_possible_truncation,
-                        clippy::cast_sign_loss,
-                        reason = "within the grid"
-                    )]
-                    grid.kind([0, 1, 2].map(|axis| ((middle[axis] - grid.low[axis]) / grid.cell_m) as usize))
+                let content_at = |shift: f64| {
+                    let middle = a + (b - a) * 0.26 + (c - a) * 0.26 + normal * shift * grid.side_m();
+                    grid.at(&middle)
                 };
-                assert!(kind_at(0.5) == Kind::Free && kind_at(-0.5) != Kind::Free);
+                assert!(content_at(0.5) == Some(Content::Free) && content_at(-0.5) != Some(Content::Free));
             }
         }
     }
