@@ -17,8 +17,7 @@ impl Scenario {
         }
         let mut bodies = self.world.bodies().to_vec();
         // Obstacles first, then the target, then the floor.
-        let is_floor = |body: &Body| body.parts.iter().all(|part| part.solid.is_half_space());
-        let behind = self.target.unwrap_or_else(|| bodies.iter().take_while(|body| !is_floor(body)).count());
+        let behind = self.target.unwrap_or_else(|| bodies.iter().take_while(|body| !body.is_floor()).count());
         bodies.insert(behind, body);
         let target = self.target.map(|target| target + 1);
         Ok(Self { world: self.world.with_bodies(bodies)?, target, export: None, ..self.clone() })

@@ -37,6 +37,11 @@ impl Body {
 }
 
 impl Body {
+    /// Returns true for a floor: all its solids are half-spaces.
+    pub fn is_floor(&self) -> bool {
+        self.parts.iter().all(|part| part.solid.is_half_space())
+    }
+
     /// Returns a ball around it, in the planning frame; `None` for an unbounded body, or one without solids.
     pub fn ball(&self) -> Option<Ball> {
         let balls: Vec<Ball> = self

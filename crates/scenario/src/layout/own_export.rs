@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use cranny_collision::Body;
 use cranny_task::Criterion;
 
 use crate::files::atomic_file::write_into;
@@ -19,8 +18,8 @@ impl Scenario {
     /// [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`].
     pub fn write_folder(&self, folder: &Path) -> Result<(), ScenarioError> {
         let recipe = Recipe::of_scenario(self)?;
-        let is_floor = |body: &&Body| body.parts.iter().all(|part| part.solid.is_half_space());
-        let mut heights = self.world.bodies().iter().filter(is_floor).flat_map(|body| &body.parts);
+        let mut heights =
+            self.world.bodies().iter().filter(|body| body.is_floor()).flat_map(|body| &body.parts);
         let has_floor = heights.next().is_some_and(|part| {
             let scene_from_floor = recipe.robot.scene_from_root * part.world_from_solid;
             (scene_from_floor.translation.z).abs() < SAME_FLOOR_M

@@ -94,7 +94,7 @@ impl Recipe {
         let mut obstacles = Vec::new();
         let mut target = None;
         for (index, body) in scenario.world.bodies().iter().enumerate() {
-            if body.parts.iter().all(|part| part.solid.is_half_space()) {
+            if body.is_floor() {
                 continue;
             }
             let mut body = RecipeBody::of(body, &scene_from_planning)?;

@@ -1,7 +1,6 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use cranny_collision::Body;
 use cranny_sense::SeenMap;
 
 use crate::files::atomic_file::write_into;
@@ -40,10 +39,9 @@ impl Scenario {
             self.world.body_index(name)?;
         }
         let bodies = self.world.bodies();
-        let is_floor = |body: &Body| body.parts.iter().all(|part| part.solid.is_half_space());
         let is_kept = |index: &usize| {
             let body = &bodies[*index];
-            self.target != Some(*index) && (is_floor(body) || known.contains(&body.name))
+            self.target != Some(*index) && (body.is_floor() || known.contains(&body.name))
         };
         // The target first, so that its index is known.
         let others = (0..bodies.len()).filter(is_kept);
@@ -68,7 +66,7 @@ impl Scenario {
     /// [`ScenarioError::Collision`] for an invalid pose.
     pub fn without_map(&self) -> Result<Self, ScenarioError> {
         let names = self.world.bodies().iter().map(|body| &body.name);
-        let stated = names.filter(|name| ![SeenMap::OCCUPIED, SeenMap::UNSEEN].contains(&name.as_str()));
+        let stated = names.filter(|name| !SeenMap::is_name_of_map(name));
         self.with_known_bodies_only(&stated.cloned().collect::<Vec<_>>())
     }
 }

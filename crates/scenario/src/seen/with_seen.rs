@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use cranny_collision::Body;
 use cranny_sense::{KnownBody, SeenMap, SeenSettings, SensorModel, Unseen, View};
 use cranny_shape::{Aabb, Solid};
 use cranny_spatial::{Point, Pose, Vector};
@@ -58,7 +59,7 @@ impl Scenario {
             let has_inside = |solid: &Solid| !solid.is_half_space() && solid.as_union().is_none();
             let solids: Vec<(Pose, Solid)> =
                 body.parts.iter().map(|part| (part.world_from_solid, part.solid.clone())).collect();
-            if solids.iter().all(|(_, solid)| solid.is_half_space()) {
+            if body.is_floor() {
                 let floor = known(&body.name, solids, 0.0, options.floor_reach_m);
                 bodies.push(KnownBody { is_transparent: true, ..floor });
             } else if solids.iter().all(|(_, solid)| has_inside(solid)) {
@@ -98,11 +99,21 @@ impl Scenario {
         let greatest = |of: fn(&SensorModel) -> f64| sensors.iter().map(of).fold(0.0, f64::max);
         let [detail, detail_beside] = map.detail_m().map(millimetres);
         let [layer, layer_beside] = map.layer_m().map(millimetres);
+        let is_stated = |(index, body): (usize, &Body)| {
+            self.target != Some(index) && !body.is_floor() && !SeenMap::is_name_of_map(&body.name)
+        };
+        let stated = self.world.bodies().iter().enumerate().any(is_stated);
+        let besides = if stated { "those of the scenario and " } else { "" };
+        let floor = if options.floor_reach_m > 0.0 {
+            format!(", and {} of the floor", millimetres(options.floor_reach_m))
+        } else {
+            String::new()
+        };
         Some(format!(
-            "the obstacles are what {} show; {unseen}. Their errors are bounded by {} mm + {} % of the depth, {} pixels, and {} mm \
+            "the obstacles are {besides}what {} show; {unseen}. Their errors are bounded by {} mm + {} % of the depth, {} pixels, and {} mm \
              and {}° of the camera's pose; things thinner than {detail} may be missed, beside the target {detail_beside}, and so may \
              things that rise less than {layer} above the surface of a known body, beside the target {layer_beside}. Within {} of the \
-             robot at its start, and {} of the floor, unseen space counts as free, and so does all that the robot touches there",
+             robot at its start{floor}, unseen space counts as free, and so does all that the robot touches there",
             cranny_file::counted(sensors.len(), "view"),
             bound(greatest(|sensor| sensor.depth_error_m), 1e3, 1),
             bound(greatest(|sensor| sensor.depth_error_share), 1e2, 2),
@@ -110,7 +121,6 @@ impl Scenario {
             bound(greatest(|sensor| sensor.position_error_m), 1e3, 1),
             bound(greatest(|sensor| sensor.turn_error_rad), 1_f64.to_degrees(), 2),
             millimetres(options.robot_reach_m),
-            millimetres(options.floor_reach_m),
         ))
     }
 }

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use cranny_collision::{Body, Cell, Margins, Resting, Scratch};
+use cranny_collision::{Cell, Margins, Resting, Scratch};
 use cranny_grasp::ASSUMED_DENSITY;
 use cranny_robot::{between, distance};
 use cranny_spatial::Pose;
@@ -110,8 +110,7 @@ impl State {
         if self.held.is_some() {
             return cell.held_clearance(q, beyond_m, scratch);
         }
-        let is_floor = |body: &Body| body.parts.iter().all(|part| part.solid.is_half_space());
-        let bodies = cell.world().bodies().iter().enumerate().filter(|(_, body)| !is_floor(body));
+        let bodies = cell.world().bodies().iter().enumerate().filter(|(_, body)| !body.is_floor());
         bodies
             .fold(beyond_m, |least_m, (body, _)| cell.hand_clearance(q, body, least_m, scratch).min(least_m))
     }
