@@ -1,9 +1,12 @@
 //! Checks of a test run, each with its name, requirements and action.
 
+use std::cell::RefCell;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
+use std::{fs, io};
 
 use crate::python_package::python_tools::PYTHON;
 use crate::released_data::{DATA, REQUIRE_ALL};
@@ -138,42 +141,92 @@ pub struct Record {
     pub passed: Vec<&'static str>,
     /// Checks that were skipped.
     pub skipped: Vec<Skipped>,
-    /// Check that failed; none ran after it.
+    /// First check that failed; none began after it.
     pub failed: Option<&'static str>,
 }
 
-/// Runs `steps` in order and stops at the first that fails, printing name and time of each.
-pub fn run_all(steps: &[Step], surroundings: &Surroundings) -> Record {
-    let mut record = Record::default();
-    for step in steps {
-        let outcome = match (step.needs)(surroundings) {
-            Readiness::Missing(missing) if !surroundings.all_required => {
-                eprintln!("SKIPPED: {} ({missing})", step.name);
-                record.skipped.push(Skipped { name: step.name, missing });
-                continue;
+impl Record {
+    /// Adds the result of a check and prints it if the check did not pass.
+    fn add(&mut self, name: &'static str, outcome: Result<(), String>) {
+        match outcome {
+            Ok(()) => self.passed.push(name),
+            Err(reason) => {
+                eprintln!("FAILED: {name} ({reason})");
+                self.failed.get_or_insert(name);
             }
-            Readiness::Missing(missing) => Err(missing),
-            Readiness::Ready => {
+        }
+    }
+
+    /// Returns true if a check can run. One that lacks its tool is recorded: as failed where all is required, else as skipped.
+    fn admits(&mut self, step: &Step, surroundings: &Surroundings) -> bool {
+        match (step.needs)(surroundings) {
+            Readiness::Ready => return true,
+            Readiness::Missing(missing) if surroundings.all_required => self.add(step.name, Err(missing)),
+            Readiness::Missing(missing) => {
+                eprintln!("SKIPPED: {} ({missing})", step.name);
+                self.skipped.push(Skipped { name: step.name, missing });
+            }
+        }
+        false
+    }
+
+    /// Runs `steps` in order and stops at the first that fails, printing name and time of each.
+    pub fn run(&mut self, steps: &[Step], surroundings: &Surroundings) {
+        for step in steps {
+            if self.failed.is_none() && self.admits(step, surroundings) {
                 println!("==> {}", step.name);
                 let start = Instant::now();
                 let outcome = (step.action)(surroundings);
                 println!("<== {}: {:.1} s", step.name, start.elapsed().as_secs_f64());
-                outcome
-            }
-        };
-        match outcome {
-            Ok(()) => record.passed.push(step.name),
-            Err(reason) => {
-                eprintln!("FAILED: {} ({reason})", step.name);
-                record.failed = Some(step.name);
-                break;
+                self.add(step.name, outcome);
             }
         }
     }
-    record
+
+    /// Runs `steps` beside each other, each of which leaves processors idle. The output of each is printed when it has ended.
+    pub fn run_beside(&mut self, steps: &[Step], surroundings: &Surroundings) {
+        if self.failed.is_some() {
+            return;
+        }
+        let ready: Vec<&Step> = steps.iter().filter(|step| self.admits(step, surroundings)).collect();
+        if self.failed.is_some() {
+            return;
+        }
+        println!(
+            "==> {} beside each other",
+            ready.iter().map(|step| step.name).collect::<Vec<_>>().join(", ")
+        );
+        let record = Mutex::new(self);
+        std::thread::scope(|scope| {
+            for step in ready {
+                scope.spawn(|| {
+                    let start = Instant::now();
+                    let log = surroundings.root.join("target").join(format!("{}.log", step.name));
+                    let outcome = logged(&log, || (step.action)(surroundings));
+                    let mut record = record.lock().unwrap_or_else(PoisonError::into_inner);
+                    println!("==> {}", step.name);
+                    print!("{}", fs::read_to_string(&log).unwrap_or_default());
+                    println!("<== {}: {:.1} s", step.name, start.elapsed().as_secs_f64());
+                    record.add(step.name, outcome);
+                });
+            }
+        });
+    }
 }
 
-/// Runs `command` with its output shown.
+thread_local! {
+    /// File for the output of the commands of this thread, if it is not to be shown at once.
+    static LOG: RefCell<Option<fs::File>> = const { RefCell::new(None) };
+}
+
+/// Runs an action, with the output of its commands in a file.
+fn logged(path: &Path, action: impl FnOnce() -> Result<(), String>) -> Result<(), String> {
+    let file = fs::File::create(path).map_err(|fault| format!("{}: {fault}", path.display()))?;
+    LOG.set(Some(file));
+    action()
+}
+
+/// Runs `command` with its output shown, or in the log of its thread.
 ///
 /// # Errors
 /// If it does not start or does not succeed.
@@ -182,6 +235,11 @@ pub fn succeed(mut command: Command) -> Result<(), String> {
     let words: Vec<_> =
         std::iter::once(program).chain(command.get_args()).map(|word| word.to_string_lossy()).collect();
     let line = words.join(" ");
+    let log = LOG.with_borrow(|log| log.as_ref().map(|file| Ok([file.try_clone()?, file.try_clone()?])));
+    if let Some(copies) = log {
+        let [out, err] = copies.map_err(|fault: io::Error| format!("its log: {fault}"))?;
+        command.stdout(out).stderr(err);
+    }
     match command.status() {
         Ok(status) if status.success() => Ok(()),
         Ok(status) => Err(format!("`{line}`: {status}")),
@@ -204,6 +262,30 @@ mod tests {
 
     fn surroundings(all_required: bool) -> Surroundings {
         Surroundings { root: PathBuf::from("."), data: None, python: None, all_required, is_long: false }
+    }
+
+    fn run_all(steps: &[Step], surroundings: &Surroundings) -> Record {
+        let mut record = Record::default();
+        record.run(steps, surroundings);
+        record
+    }
+
+    #[test]
+    fn of_checks_beside_each_other_each_is_recorded_and_its_output_kept() {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::create_dir(folder.path().join("target")).expect("a folder");
+        let here = Surroundings { root: folder.path().to_owned(), ..surroundings(false) };
+        let speaks =
+            Step { name: "speaks", action: |here| succeed(here.command("cargo", &["--version"])), ..PASSES };
+        let mut record = Record::default();
+        record.run_beside(&[FAILS, speaks, LACKS, PASSES], &here);
+        record.passed.sort_unstable();
+        assert_eq!((record.failed, &record.passed[..]), (Some("fails"), &["passes", "speaks"][..]));
+        assert_eq!(record.skipped.len(), 1);
+        let log = fs::read_to_string(folder.path().join("target/speaks.log")).expect("a log");
+        assert!(log.starts_with("cargo "), "{log}");
+        record.run_beside(&[PASSES], &here);
+        assert_eq!(record.passed.len(), 2, "none begins after a failure");
     }
 
     #[test]

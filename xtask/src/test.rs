@@ -16,7 +16,7 @@ use crate::tidy;
 use crate::web::{self, films, gltf};
 
 /// Checks of every run. A check that needs a tool of its own declares it in `needs`.
-const STEPS: [Step; 12] = [
+const STEPS: [Step; 9] = [
     Step {
         name: "format",
         needs: |here| component(here, "fmt", "rustfmt"),
@@ -52,6 +52,10 @@ const STEPS: [Step; 12] = [
     },
     Step { name: "glTF", needs: gltf::readiness, action: gltf::check },
     Step { name: "films", needs: films::readiness, action: films::check },
+];
+
+/// Checks of every run that leave processors idle, and thus run beside each other.
+const BESIDE: [Step; 3] = [
     Step { name: "web", needs: web::readiness, action: web::check },
     Step { name: "C and C++", needs: c_api::readiness, action: c_api::check },
     Step { name: "Python", needs: python_package::readiness, action: python_package::check },
@@ -77,7 +81,7 @@ const LONG_STEPS: [Step; 7] = [
 /// # Errors
 /// For an unknown name, and as [`run`].
 pub fn run_steps(names: &[&str]) -> Result<bool, String> {
-    let all = [&STEPS[..], &LONG_STEPS].concat();
+    let all = [&STEPS[..], &BESIDE, &LONG_STEPS].concat();
     let find = |name: &&str| {
         let step = all.iter().find(|step| step.name == *name).copied();
         step.ok_or_else(|| {
@@ -89,7 +93,9 @@ pub fn run_steps(names: &[&str]) -> Result<bool, String> {
     let here = here(true)?;
     let python = python_tools::prepare(&here.root).ok();
     let here = Surroundings { python, ..here };
-    Ok(step::run_all(&steps, &here).failed.is_none())
+    let mut record = Record::default();
+    record.run(&steps, &here);
+    Ok(record.failed.is_none())
 }
 
 /// Returns the environment of a command without Python.
@@ -126,8 +132,12 @@ pub fn run(is_long: bool) -> Result<bool, String> {
 
     // Printed before the checks, and again at the end of the output.
     warn(&lacking);
-    let long: &[Step] = if is_long { &LONG_STEPS } else { &[] };
-    let record = step::run_all(&[&STEPS, long].concat(), &here);
+    let mut record = Record::default();
+    record.run(&STEPS, &here);
+    record.run_beside(&BESIDE, &here);
+    if is_long {
+        record.run(&LONG_STEPS, &here);
+    }
     warn(&lacking);
     println!("{}", summary(&record, &here, start.elapsed().as_secs_f64()));
     Ok(record.failed.is_none())

@@ -7,7 +7,7 @@ use cranny_scenario::{OpenOptions, STEPS, Scenario, insertions, sequences};
 use cranny_solve::{Request, solve};
 use cranny_task::{Stage, StateSequence, picks_apart};
 
-use crate::cases::for_each;
+use crate::cases::{for_each, is_long};
 use crate::judge::Oracle;
 use crate::mesh::Mesh;
 use crate::scene::Obstacle;
@@ -34,8 +34,7 @@ fn oracle(scenario: &Scenario) -> Oracle {
 
 /// Returns the ids to check: some, or with `CRANNY_LONG` all.
 fn chosen(ids: impl Iterator<Item = &'static str>, few: &[&str]) -> Vec<&'static str> {
-    let is_long = std::env::var_os("CRANNY_LONG").is_some();
-    ids.filter(|id| is_long || few.contains(id)).collect()
+    ids.filter(|id| is_long() || few.contains(id)).collect()
 }
 
 fn judged(name: &str, oracle: &Oracle, pieces: Vec<Vec<Vec<f64>>>, most_sunk_m: f64) -> Vec<String> {

@@ -23,15 +23,35 @@ pub struct Case {
     /// Cell under test.
     pub cell: Arc<Cell>,
     pub start: Vec<f64>,
-    /// Way points from the start to a grasp; `None` if the planner found none.
-    pub path: Option<Vec<Vec<f64>>>,
-    /// Paths of the target in the closed hand: the first from the grasp to the end of the lift-off, the second from there home.
-    pub carried: Option<[Vec<Vec<f64>>; 2]>,
-    /// All segments of a task that puts the target down outside and goes home.
-    pub placed: Option<Vec<Vec<Vec<f64>>>>,
+    scenario: Scenario,
+    problem: Problem,
+    path: OnceLock<Option<Vec<Vec<f64>>>>,
 }
 
-/// Returns all twenty, planned once for all tests; `None`, with a message, if the data does not exist.
+impl Case {
+    /// Way points from the start to a grasp, by `reach` with the first seed that solves it, shortened as delivered; `None` if
+    /// the planner found none. Planned once.
+    pub fn path(&self) -> Option<&Vec<Vec<f64>>> {
+        self.path.get_or_init(|| path(&self.id, &self.problem)).as_ref()
+    }
+
+    /// Plans the target's way in the closed hand: from the grasp to the end of the lift-off, and from there home.
+    pub fn carried(&self) -> Option<[Vec<Vec<f64>>; 2]> {
+        carried(&self.problem)
+    }
+
+    /// Plans all segments of a task that puts the target down outside and goes home.
+    pub fn placed(&self) -> Option<Vec<Vec<Vec<f64>>>> {
+        placed(&self.scenario, &self.problem)
+    }
+}
+
+/// Returns true in the longer form of the tests.
+pub fn is_long() -> bool {
+    std::env::var_os("CRANNY_LONG").is_some()
+}
+
+/// Returns all twenty; `None`, with a message, if the data does not exist.
 pub fn cases() -> Option<&'static [Case]> {
     static CASES: OnceLock<Vec<Case>> = OnceLock::new();
     let Some(folder) = scenarios() else {
@@ -65,13 +85,13 @@ fn case(folder: &Path) -> Case {
         oracle: Oracle::new(scenario.robot.clone(), folder),
         cell: cell.clone(),
         start: problem.start().to_vec(),
-        path: path(&scenario.id, &problem),
-        carried: carried(&problem),
-        placed: placed(&scenario, &problem),
+        path: OnceLock::new(),
+        scenario,
+        problem,
     }
 }
 
-/// Solves a task that puts the target down at the goal of the built-in scenario of the same id.
+/// Solves that task with the goal of the built-in scenario of the same id.
 fn placed(scenario: &Scenario, problem: &Problem) -> Option<Vec<Vec<Vec<f64>>>> {
     let own = Scenario::open(&scenario.id, &OpenOptions::default()).unwrap();
     let mut goal = own.places[0].clone();
@@ -91,7 +111,6 @@ fn placed(scenario: &Scenario, problem: &Problem) -> Option<Vec<Vec<Vec<f64>>>> 
     (!pieces.is_empty()).then_some(pieces)
 }
 
-/// Returns lift-off and carry of a task that takes the target home.
 fn carried(problem: &Problem) -> Option<[Vec<Vec<f64>>; 2]> {
     let request = Request { stages: vec![Stage::pick(), Stage::home()], hold: None, ..Request::default() };
     let answer = solve(problem, &request, &mut Unobserved).unwrap();
@@ -100,7 +119,6 @@ fn carried(problem: &Problem) -> Option<[Vec<Vec<f64>>; 2]> {
     Some([lift_off, carry].map(|segment| segment.waypoints.clone()))
 }
 
-/// Returns the path of `reach` with the first seed that solves it, shortened as delivered.
 fn path(id: &str, problem: &Problem) -> Option<Vec<Vec<f64>>> {
     const SEEDS: u64 = 3;
     let planner = Registry::default().planner("reach").unwrap();

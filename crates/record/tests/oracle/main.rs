@@ -16,7 +16,7 @@ use std::time::Instant;
 use cranny_collision::Motion;
 use cranny_spatial::{Point, Pose, Stream, Vector};
 
-use crate::cases::{Case, cases, for_each};
+use crate::cases::{Case, cases, for_each, is_long};
 use crate::hull::{convex_hull, height_above};
 use crate::judge::{LIMITS, STEP_M, between, random_configuration};
 use crate::mesh::{Mesh, goes_through};
@@ -25,7 +25,7 @@ use crate::mesh::{Mesh, goes_through};
 fn no_planned_path_touches_anything() {
     let Some(cases) = cases() else { return };
     let judge = |case: &Case| {
-        let path = case.path.as_deref()?;
+        let path = case.path()?;
         let begin = Instant::now();
         let mut faults = case.oracle.faults_of_way_points(path);
         let mut pictures = case.oracle.pictures();
@@ -41,7 +41,7 @@ fn no_planned_path_touches_anything() {
     };
     let verdicts = for_each(cases, judge);
     let unsolved: Vec<&str> =
-        cases.iter().filter(|case| case.path.is_none()).map(|case| case.id.as_str()).collect();
+        cases.iter().filter(|case| case.path().is_none()).map(|case| case.id.as_str()).collect();
     println!("not solved: {unsolved:?}");
     assert!(unsolved.len() <= 2, "not solved: {unsolved:?}");
     for (case, faults) in cases.iter().zip(verdicts) {
@@ -53,7 +53,7 @@ fn no_planned_path_touches_anything() {
 fn no_carried_target_touches_anything() {
     let Some(cases) = cases() else { return };
     let judge = |case: &Case| {
-        let ways = case.carried.as_ref()?;
+        let ways = case.carried()?;
         let rest_m = case.oracle.resting_depth_m();
         let mut faults = Vec::new();
         let mut samples = 0;
@@ -72,7 +72,8 @@ fn no_carried_target_touches_anything() {
         assert_eq!(faults, Some(Vec::new()), "{}", case.id);
     }
     // The target is checked as an obstacle: in this motion it would hit the table.
-    let grasp = &cases[0].carried.as_ref().unwrap()[0][0];
+    let [lift_off, _] = cases[0].carried().unwrap();
+    let grasp = &lift_off[0];
     let mut sunk = grasp.clone();
     sunk[0] += 0.3;
     assert!(cases.iter().any(|case| case.oracle.watch_carried(grasp, 0.0, [grasp, &sunk]).1.is_some()));
@@ -81,14 +82,17 @@ fn no_carried_target_touches_anything() {
 #[test]
 fn no_target_that_is_put_down_touches_anything_and_nothing_touches_it() {
     let Some(cases) = cases() else { return };
-    let judge = |case: &Case| {
-        let pieces = case.placed.as_ref()?.clone().try_into().ok()?;
+    // The second and the hardest of each kind, or with `CRANNY_LONG` all.
+    let cases: Vec<&Case> = cases.iter().filter(|case| is_long() || case.id.ends_with(['2', '5'])).collect();
+    assert!(cases.len() >= 8);
+    let judge = |case: &&Case| {
+        let pieces = case.placed()?.try_into().ok()?;
         // It is released a third of a millimetre above its support, so that it penetrates nothing during the set-down.
         let (samples, faults) = case.oracle.watch_task(&pieces, 0.0);
         println!("{}: {samples} samples, {faults:?}", case.id);
         Some(faults)
     };
-    for (case, faults) in cases.iter().zip(for_each(cases, judge)) {
+    for (case, faults) in cases.iter().zip(for_each(&cases, judge)) {
         assert_eq!(faults, Some(Vec::new()), "{}", case.id);
     }
 }
@@ -97,7 +101,7 @@ fn no_target_that_is_put_down_touches_anything_and_nothing_touches_it() {
 fn most_straight_lines_from_start_to_goal_touch_something() {
     let Some(cases) = cases() else { return };
     let touch = |case: &Case| {
-        let path = case.path.as_deref()?;
+        let path = case.path()?;
         let mut pictures = case.oracle.pictures();
         case.oracle.watch(&path[0], &path[path.len() - 1], &mut pictures).touch
     };
@@ -109,8 +113,8 @@ fn most_straight_lines_from_start_to_goal_touch_something() {
 #[test]
 fn a_path_that_runs_backwards_or_leaves_the_limits_is_faulty() {
     let Some(cases) = cases() else { return };
-    for Case { oracle, path, .. } in cases {
-        let Some(path) = path else { continue };
+    for case in cases {
+        let (oracle, Some(path)) = (&case.oracle, case.path()) else { continue };
         assert!(oracle.faults_of_way_points(path).is_empty());
         let mut bad = path.clone();
         bad.reverse();
@@ -126,8 +130,8 @@ fn a_path_that_runs_backwards_or_leaves_the_limits_is_faulty() {
 #[test]
 fn a_grasp_is_reached_by_itself_and_its_twin_but_not_from_beside() {
     let Some(cases) = cases() else { return };
-    for Case { oracle, path, .. } in cases {
-        let Some(end) = path.as_ref().and_then(|path| path.last()) else { continue };
+    for case in cases {
+        let (oracle, Some(end)) = (&case.oracle, case.path().and_then(|path| path.last())) else { continue };
         let grasp = oracle.grasps.iter().find(|grasp| oracle.is_reached(grasp, end)).unwrap();
         let moved = |joint: usize, by: f64| {
             let mut q = end.clone();
@@ -168,9 +172,9 @@ fn what_is_proven_the_oracle_sees_free_and_what_it_sees_touch_is_not_proven() {
     let mut total = Tally::default();
     for (case, tally) in cases.iter().zip(for_each(cases, agreement)) {
         println!("{}: {tally:?}", case.id);
-        // The start is free and the limits are wide: both kinds occur in every scenario.
-        assert!(tally.touched >= 5, "{}: {tally:?}", case.id);
-        assert!(tally.proven >= 3, "{}: {tally:?}", case.id);
+        // The start is free and the limits are wide: of many motions, both kinds occur in every scenario.
+        assert!(tally.touched >= if is_long() { 5 } else { 2 }, "{}: {tally:?}", case.id);
+        assert!(tally.proven >= 3 || !is_long(), "{}: {tally:?}", case.id);
         total.proven += tally.proven;
         total.touched += tally.touched;
         total.deep_contacts += tally.deep_contacts;
@@ -182,7 +186,11 @@ fn what_is_proven_the_oracle_sees_free_and_what_it_sees_touch_is_not_proven() {
     for what in ["floor", "target", "table", "open_shelf", "wall_segment", "gate", "panda_"] {
         assert!(total.touches.keys().any(|key| key.starts_with(what)), "nothing touched {what}: {total:?}");
     }
-    assert!(total.proven >= 100 && total.touched >= 200 && total.deep_contacts >= 200, "{total:?}");
+    let [proven, touched] = if is_long() { [100, 200] } else { [35, 75] };
+    assert!(
+        total.proven >= proven && total.touched >= touched && total.deep_contacts >= touched,
+        "{total:?}"
+    );
 }
 
 /// Compares oracle and proof on many motions of one scenario.
@@ -214,25 +222,23 @@ fn agreement(case: &Case) -> Tally {
 /// Returns motions of all kinds: across the whole configuration space, short ones near the path, displacements of the hand at
 /// the end of the path, and the one from start to end.
 fn motions(case: &Case) -> Vec<(Vec<f64>, Vec<f64>)> {
-    const ACROSS: u32 = 8;
-    const SHORT: usize = 8;
-    const PUSHES: u32 = 8;
+    let of_each = if is_long() { 8 } else { 3 };
     /// Displacement of the base, in metres: more than the width of the open hand.
     const PUSH_M: f64 = 0.1;
     let mut random = Stream::new(1, case.id.parse().unwrap());
     let mut motions = Vec::new();
-    for _ in 0..ACROSS {
+    for _ in 0..of_each {
         motions.push((random_configuration(&mut random), random_configuration(&mut random)));
     }
-    let beside = case.path.clone().unwrap_or_else(|| vec![case.start.clone()]);
-    for _ in 0..SHORT {
+    let beside = case.path().cloned().unwrap_or_else(|| vec![case.start.clone()]);
+    for _ in 0..of_each {
         let from = beside[random.index(beside.len())].clone();
         let to = between(&from, &random_configuration(&mut random), 0.1);
         motions.push((from, to));
     }
-    if let Some(end) = case.path.as_ref().and_then(|path| path.last()) {
-        for push in 0..PUSHES {
-            let (sine, cosine) = (f64::from(push) * std::f64::consts::TAU / f64::from(PUSHES)).sin_cos();
+    if let Some(end) = case.path().and_then(|path| path.last()) {
+        for push in 0..of_each {
+            let (sine, cosine) = (f64::from(push) * std::f64::consts::TAU / f64::from(of_each)).sin_cos();
             let mut pushed = end.clone();
             for (joint, by) in [cosine, sine].into_iter().enumerate() {
                 let [low, high] = LIMITS[joint];
