@@ -83,7 +83,7 @@ impl Scenario {
     pub fn too_wide_target(&self) -> Option<String> {
         let hand = self.robot.hand().filter(|_| self.grasps.is_empty())?;
         let surface = Surface::new(&self.target_mesh().ok()??).ok()?;
-        let friction = self.target_physics().friction.unwrap_or(DEFAULT_FRICTION);
+        let friction = self.target_physics().least_friction().unwrap_or(DEFAULT_FRICTION);
         let opening_m = hand.description.opening_m;
         let too_wide = TooWide::of(
             &surface,

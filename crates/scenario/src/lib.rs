@@ -56,6 +56,7 @@ pub use object::builtin::{builtin_object, builtin_object_names};
 pub use object::error::ObjectError;
 pub use object::filter::filter_around_object;
 pub use object::folder::{OBJECT_FILE, RestingPose};
+pub use object::friction::Friction;
 pub use object::mesh_repairs::{link_repairs, mesh_repairs};
 pub use object::object_type::{DEFAULT_FRICTION, ObjectSettings, ObjectType, PAPER_FRICTION};
 pub use object::physics::TargetPhysics;

@@ -4,6 +4,7 @@ pub(crate) mod builtin;
 pub(crate) mod error;
 pub(crate) mod filter;
 pub(crate) mod folder;
+pub(crate) mod friction;
 pub(crate) mod mesh_repairs;
 pub(crate) mod object_type;
 pub(crate) mod physics;

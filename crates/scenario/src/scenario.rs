@@ -185,7 +185,7 @@ impl Scenario {
         };
         let physics: Vec<TargetPhysics> = bodies.map(of_body).collect();
         let frictions: Vec<Option<f64>> =
-            physics.iter().map(|physics| physics.friction.or(Some(DEFAULT_FRICTION))).collect();
+            physics.iter().map(|physics| physics.least_friction().or(Some(DEFAULT_FRICTION))).collect();
         let stated = |physics: &TargetPhysics| Weight {
             mass_kg: physics.mass_kg,
             moments: None,
@@ -201,7 +201,7 @@ impl Scenario {
         if self.has_grasp_set {
             return Ok(problem);
         }
-        Ok(problem.without_grasp_set(self.target_physics().friction.unwrap_or(DEFAULT_FRICTION))?)
+        Ok(problem.without_grasp_set(self.target_physics().least_friction().unwrap_or(DEFAULT_FRICTION))?)
     }
 
     fn problem_with_grasp_set(&self, margins: Margins) -> Result<Problem, ScenarioError> {

@@ -131,7 +131,7 @@ fn a_mesh_in_other_units_gets_a_hint_and_bad_numbers_are_refused() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let mass = ObjectType::from_mesh(&cuboid(0.2), &ObjectSettings::new("box", bad)).unwrap_err();
         assert!(matches!(mass, ScenarioError::Object(ObjectError::Number { what: "mass", .. })), "{mass}");
-        let slippery = ObjectSettings { friction: bad, ..settings.clone() };
+        let slippery = ObjectSettings { friction: bad.into(), ..settings.clone() };
         let friction = ObjectType::from_mesh(&cuboid(0.2), &slippery).unwrap_err();
         assert!(
             matches!(friction, ScenarioError::Object(ObjectError::Number { what: "friction", .. })),

@@ -5,8 +5,9 @@ use std::io::{Write as _, stderr};
 use std::path::{Path, PathBuf};
 
 use cranny_scenario::{
-    Credits, DEFAULT_FRICTION, ObjectError, ObjectSettings, ObjectType, OpenOptions, PAPER_FRICTION, Recipe,
-    Scenario, ScenarioError, TargetObject, TargetPhysics, builtin_object, catalogue, check, pack,
+    Credits, DEFAULT_FRICTION, Friction, ObjectError, ObjectSettings, ObjectType, OpenOptions,
+    PAPER_FRICTION, Recipe, Scenario, ScenarioError, TargetObject, TargetPhysics, builtin_object, catalogue,
+    check, pack,
 };
 use cranny_shape::{Surface, TriangleSoup, UnionMoments, VolumeMoments};
 use cranny_spatial::{Pose, PoseDifference, Vector};
@@ -83,7 +84,7 @@ fn stands_where_the_target_does(scenario: &Scenario, found: &TargetObject) {
 fn same(one: &TargetObject, other: &TargetObject) {
     let apart = PoseDifference::between(&one.world_from_object, &other.world_from_object);
     assert!(apart.translation_m < 1e-9 && apart.rotation_rad < 1e-9, "{apart:?}");
-    let numbers = |found: &TargetObject| [found.object.mass_kg, found.object.friction].map(f64::to_bits);
+    let numbers = |found: &TargetObject| [found.object.mass_kg, found.object.friction.low].map(f64::to_bits);
     assert_eq!(numbers(one), numbers(other));
     let largest = one.object.inertia_kg_m2.amax();
     assert!((one.object.inertia_kg_m2 - other.object.inertia_kg_m2).amax() < 1e-6 * largest);
@@ -99,7 +100,7 @@ fn built_in_targets_weigh_what_is_published_and_stand_where_the_scenario_has_the
         let scenario = open(id);
         let found = target(&scenario);
         assert!(near(found.object.mass_kg, mass_kg, 1e-12), "{id}: {}", found.object.mass_kg);
-        assert!(near(found.object.friction, DEFAULT_FRICTION, 1e-12), "{id}");
+        assert!(near(found.object.friction.low, DEFAULT_FRICTION, 1e-12), "{id}");
         stands_where_the_target_does(&scenario, &found);
         assert!(!found.object.stable_poses.is_empty(), "{id}");
         // A target that is checked as a sphere or a box still has the mass and inertia of the object that it represents, in the
@@ -111,7 +112,11 @@ fn built_in_targets_weigh_what_is_published_and_stand_where_the_scenario_has_the
     }
     for entry in catalogue() {
         let physics = open(entry.id).target_physics();
-        assert!(physics.mass_kg.is_some() && physics.friction == Some(DEFAULT_FRICTION), "{}", entry.id);
+        assert!(
+            physics.mass_kg.is_some() && physics.friction == Some(DEFAULT_FRICTION.into()),
+            "{}",
+            entry.id
+        );
     }
 }
 
@@ -124,7 +129,7 @@ fn a_box_turns_as_the_textbook_says() {
     let expected = Vector::new(moment(0.06, 0.1), moment(0.04, 0.1), moment(0.04, 0.06));
     assert!((found.object.inertia_kg_m2.diagonal() - expected).amax() < 1e-9);
     assert!(found.object.center_of_mass.coords.norm() < 1e-12, "its frame is that of its only shape");
-    assert!(near(found.object.friction, DEFAULT_FRICTION, 1e-12), "nobody says another");
+    assert!(near(found.object.friction.low, DEFAULT_FRICTION, 1e-12), "nobody says another");
     assert_eq!(scenario.target_physics(), TargetPhysics { mass_kg: Some(0.6), ..AS_SAID });
     stands_where_the_target_does(&scenario, &found);
 }
@@ -156,7 +161,7 @@ fn what_the_scenario_says_goes_before_the_object_and_what_is_asked_before_both()
     let folder = folder_with("  shapes:\n    - object: banana\n  mass_kg: 0.2\n  friction: 0.6\n", "");
     let scenario = open_folder(folder.path());
     let found = target(&scenario);
-    assert_eq!((found.object.mass_kg, found.object.friction), (0.2, 0.6));
+    assert_eq!((found.object.mass_kg, found.object.friction.low), (0.2, 0.6));
     let published = builtin_object("banana").unwrap();
     let scaled = published.inertia_kg_m2 * (0.2 / published.mass_kg);
     assert!((found.object.inertia_kg_m2 - scaled).amax() < 1e-15);
@@ -165,11 +170,11 @@ fn what_the_scenario_says_goes_before_the_object_and_what_is_asked_before_both()
 
     let heavy = TargetPhysics { mass_kg: Some(1.5), ..AS_SAID };
     let found = scenario.target_object(&heavy).unwrap().expect("a target");
-    assert_eq!((found.object.mass_kg, found.object.friction), (1.5, 0.6));
+    assert_eq!((found.object.mass_kg, found.object.friction.low), (1.5, 0.6));
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         for scenario in [&scenario, &open("021")] {
             let mass = TargetPhysics { mass_kg: Some(bad), ..AS_SAID };
-            let friction = TargetPhysics { friction: Some(bad), ..AS_SAID };
+            let friction = TargetPhysics { friction: Some(bad.into()), ..AS_SAID };
             let fault = scenario.target_object(&mass).unwrap_err();
             assert!(
                 matches!(fault, ScenarioError::Object(ObjectError::Number { what: "mass", .. })),
@@ -211,7 +216,16 @@ fn numbers_that_are_none_are_refused_with_their_line() {
         ("mass_kg: .nan", "scenario.yaml:14: 'NaN' is not a finite number"),
         ("mass_kg: .inf", "scenario.yaml:14: 'inf' is not a finite number"),
         ("friction: -0.2", "scenario.yaml:14: the friction of an object must be a positive number"),
-        ("friction: .nan", "scenario.yaml:14: 'NaN' is not a finite number"),
+        ("friction: .nan", "scenario.yaml:14: '.nan' is not a finite number"),
+        (
+            "friction: [0.6, 0.35]",
+            "scenario.yaml:14: a range of friction goes from its lower end to its upper one",
+        ),
+        ("friction: [0, 0.35]", "scenario.yaml:14: the friction of an object must be a positive number"),
+        ("friction: [0.3, .nan]", "scenario.yaml:14: 'NaN' is not a finite number"),
+        ("friction: [0.3]", "scenario.yaml:14: "),
+        ("friction: [0.3, 0.4, 0.5]", "scenario.yaml:14: "),
+        ("friction: slippery", "scenario.yaml:14: "),
         ("mass: 1", "scenario.yaml:14: unknown field `mass`"),
         ("mass_kg: heavy", "scenario.yaml:14: "),
     ] {
@@ -220,12 +234,29 @@ fn numbers_that_are_none_are_refused_with_their_line() {
     }
 }
 
+/// Loads take the lower end of a range, and what is written states both.
+#[test]
+fn a_friction_may_be_a_range() {
+    let folder = folder_with(&format!("{BOX}  mass_kg: 0.2\n  friction: [0.35, 0.6]\n"), "");
+    let scenario = open_folder(folder.path());
+    let range = Friction { low: 0.35, high: 0.6 };
+    assert_eq!(scenario.target_physics().friction, Some(range));
+    assert_eq!(scenario.target_physics().least_friction(), Some(0.35));
+    let object = scenario.target_object(&AS_SAID).unwrap().unwrap().object;
+    assert_eq!(object.friction, range);
+    let written = tempfile::tempdir().unwrap();
+    object.write_folder(written.path()).unwrap();
+    assert_eq!(ObjectType::read_folder(written.path()).unwrap().friction, range);
+    assert_eq!("0.35..0.6".parse(), Ok(range));
+    assert!("0.6..0.35".parse::<Friction>().is_err() && "x".parse::<Friction>().is_err());
+}
+
 #[test]
 fn an_obstacle_may_have_a_mass() {
     let folder = folder_with(BOX, "    mass_kg: 0.2\n    friction: 0.3\n");
     let scenario = open_folder(folder.path());
     let physics = scenario.with_target("board").unwrap().target_physics();
-    assert_eq!(physics, TargetPhysics { mass_kg: Some(0.2), friction: Some(0.3), rolling_m: None });
+    assert_eq!(physics, TargetPhysics { mass_kg: Some(0.2), friction: Some(0.3.into()), rolling_m: None });
     for (key, line) in [("mass", "mass_kg: -1"), ("friction", "friction: 0")] {
         let said = fault(BOX, &format!("    {line}\n"));
         assert!(said.contains("scenario.yaml:9: ") && said.contains(key), "{said}");
@@ -261,7 +292,7 @@ fn a_written_folder_has_the_same_target() {
 #[test]
 fn an_object_of_ones_own_comes_along_in_folders_and_archives() {
     let folder = folder_with("  shapes:\n    - object: hammer\n      pose: {position: [0, 0, 0.1]}\n", "");
-    let settings = ObjectSettings { friction: 0.4, ..ObjectSettings::new("hammer", 0.8) };
+    let settings = ObjectSettings { friction: 0.4.into(), ..ObjectSettings::new("hammer", 0.8) };
     let soup = Surface::cuboid_soup(&Vector::new(0.01, 0.02, 0.1));
     let mut hammer = ObjectType::from_mesh(&soup, &settings).unwrap().0;
     // The head is heavier than the rest, which no mesh shows.
@@ -270,7 +301,7 @@ fn an_object_of_ones_own_comes_along_in_folders_and_archives() {
     let scenario = open_folder(folder.path());
     let found = target(&scenario);
     assert_eq!(
-        (found.object.mass_kg, found.object.friction, found.object.center_of_mass.z),
+        (found.object.mass_kg, found.object.friction.low, found.object.center_of_mass.z),
         (0.8, 0.4, 0.06)
     );
     stands_where_the_target_does(&scenario, &found);
@@ -309,7 +340,7 @@ fn released_targets_weigh_what_their_library_says() {
         let scenario = open_folder(&source);
         assert_eq!(
             scenario.target_physics(),
-            TargetPhysics { mass_kg: Some(mass_kg), friction: Some(PAPER_FRICTION), rolling_m: None }
+            TargetPhysics { mass_kg: Some(mass_kg), friction: Some(PAPER_FRICTION.into()), rolling_m: None }
         );
         let found = target(&scenario);
         stands_where_the_target_does(&scenario, &found);
@@ -334,7 +365,7 @@ fn a_library_may_leave_the_mass_out_but_say_none_that_is_negative() {
     let physics = open_folder(&folder).target_physics();
     assert_eq!(
         physics,
-        TargetPhysics { mass_kg: Some(0.058), friction: Some(DEFAULT_FRICTION), rolling_m: None }
+        TargetPhysics { mass_kg: Some(0.058), friction: Some(DEFAULT_FRICTION.into()), rolling_m: None }
     );
     let library = folder.join("object_library/object_library.yaml");
     let text = fs::read_to_string(&library).unwrap();

@@ -1,4 +1,4 @@
-use cranny_scenario::ObjectType;
+use cranny_scenario::{Friction, ObjectType};
 use cranny_shape::Roundness;
 use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{Point, Pose};
@@ -16,7 +16,7 @@ pub(crate) struct ObjectModel {
     pub center: Point,
     pub mass_kg: f64,
     pub inertia_kg_m2: Matrix3<f64>,
-    pub friction: f64,
+    pub friction: Friction,
     pub roundness: Roundness,
     colliders: Vec<Collider>,
     mass_properties: MassProperties,
@@ -36,7 +36,7 @@ impl ObjectModel {
             inertia_kg_m2: object.inertia_kg_m2,
             friction: object.friction,
             roundness: object.roundness,
-            colliders: engine::colliders(&object.name, &pieces, object.friction, engine::OBJECT)?,
+            colliders: engine::colliders(&object.name, &pieces, object.friction.low, engine::OBJECT)?,
             pieces,
             mass_properties: engine::mass_properties(
                 object.mass_kg,
@@ -72,7 +72,7 @@ impl ObjectModel {
         let object = world.insert_body(body);
         for collider in &self.colliders {
             let mut collider = collider.clone();
-            collider.set_friction(collider.friction() * disturbance.friction);
+            collider.set_friction(disturbance.friction_of(&self.friction));
             world.insert_collider(collider, Some(object));
         }
         object

@@ -22,7 +22,7 @@ fn cube_test() -> GraspTest {
         })
         .collect();
     let soup = TriangleSoup::convex_hull(&corners).unwrap();
-    let settings = ObjectSettings { friction: 0.5, ..ObjectSettings::new("cube", 0.2) };
+    let settings = ObjectSettings { friction: 0.5.into(), ..ObjectSettings::new("cube", 0.2) };
     let (object, _) = ObjectType::from_mesh(&soup, &settings).unwrap();
     let hand = BoxHand::default().hand().unwrap();
     let world_from_object = Pose::translation(0.0, 0.0, HALF_M);

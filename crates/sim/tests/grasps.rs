@@ -12,7 +12,7 @@ fn hand() -> Hand {
 }
 
 fn object(mesh: &TriangleSoup, mass_kg: f64, friction: f64) -> ObjectType {
-    let settings = ObjectSettings { friction, ..ObjectSettings::new("object", mass_kg) };
+    let settings = ObjectSettings { friction: friction.into(), ..ObjectSettings::new("object", mass_kg) };
     ObjectType::from_mesh(mesh, &settings).unwrap().0
 }
 

@@ -1,8 +1,8 @@
 //! Tests of default inputs and of rejected ones.
 
 use cranny_grasp::{BoxHand, ShakeTest};
-use cranny_scenario::builtin_object;
-use cranny_sim::{GraspTest, Physics, SimError, Uncertainty};
+use cranny_scenario::{Friction, builtin_object};
+use cranny_sim::{Disturbance, GraspTest, Physics, SimError, Uncertainty};
 use cranny_spatial::{Pose, PoseDifference};
 
 fn fault(change: impl Fn(&mut cranny_grasp::Hand, &mut Physics, &mut ShakeTest)) -> SimError {
@@ -74,6 +74,17 @@ fn disturbances_fill_their_ranges_evenly() {
         design.iter().map(|d| ((d.friction - 1.0) / uncertainty.friction * 16.0).floor()).collect();
     parts.sort_by(f64::total_cmp);
     assert_eq!(parts, (-16..16).map(f64::from).collect::<Vec<f64>>());
+    let range = Friction { low: 0.35, high: 0.6 };
+    let mut drawn: Vec<f64> = design.iter().map(|d| (d.friction_of(&range) - 0.35) / 0.25 * 32.0).collect();
+    drawn.sort_by(f64::total_cmp);
+    assert!(
+        drawn.iter().enumerate().all(|(part, value)| (value - part as f64 - 0.5).abs() < 0.5),
+        "{drawn:?}"
+    );
+    assert!(
+        (Disturbance::default().friction_of(&range) - 0.35).abs() < 1e-12,
+        "the lower end without errors"
+    );
     for disturbance in design {
         let [x, y, z] = disturbance.grasp_from_hand.translation.vector.into();
         assert!([x, y, z].iter().all(|m: &f64| m.abs() <= uncertainty.position_m));

@@ -41,7 +41,7 @@ static HAND_OF_PANDA: LazyLock<Hand> = LazyLock::new(|| panda_hand().unwrap());
 
 /// Test of a cube on a table.
 fn test(mass_kg: f64, friction: f64) -> GraspTest {
-    let settings = ObjectSettings { friction, ..ObjectSettings::new("cube", mass_kg) };
+    let settings = ObjectSettings { friction: friction.into(), ..ObjectSettings::new("cube", mass_kg) };
     let mesh = Surface::cuboid_soup(&Vector::repeat(HALF_M));
     let cube: ObjectType = ObjectType::from_mesh(&mesh, &settings).unwrap().0;
     let half = Vector::new(0.2, 0.2, 0.5 * TABLE_M);

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use cranny_grasp::Hand;
-use cranny_scenario::{Scenario, TargetPhysics, read_gripper};
+use cranny_scenario::{Friction, Scenario, TargetPhysics, read_gripper};
 use cranny_sim::{Disturbance, ExecutedPlan, GraspRow, GraspTest, PickPath, PlanExecution};
 use cranny_spatial::Pose;
 use cranny_task::robot_hand;
@@ -56,7 +56,8 @@ pub fn simulate_grasps<'py>(
     let scenario = &scenario.get().scenario;
     let hand = hand_of(scenario, gripper, closing_force_n)?;
     let grasps = grasps.map_or_else(|| scenario.grasps.clone(), |grasps| grasps.get().set.clone());
-    let instead = TargetPhysics { mass_kg, friction, ..TargetPhysics::default() };
+    let instead =
+        TargetPhysics { mass_kg, friction: friction.map(Friction::from), ..TargetPhysics::default() };
     let interrupt = Mutex::new(Interrupt::new());
     let rows = py.detach(|| -> PyResult<Vec<GraspRow>> {
         let test = GraspTest::of_scenario(scenario, &hand, &instead, support_only).map_err(fault)?;
@@ -103,7 +104,8 @@ pub fn grasp_experiment<'py>(
     let hand = hand_of(scenario, gripper, closing_force_n)?;
     let set = grasps.map_or(&scenario.grasps, |grasps| &grasps.get().set);
     let poses: Vec<Pose> = set.grasps().iter().map(|grasp| grasp.world_from_gripper).collect();
-    let instead = TargetPhysics { mass_kg, friction, ..TargetPhysics::default() };
+    let instead =
+        TargetPhysics { mass_kg, friction: friction.map(Friction::from), ..TargetPhysics::default() };
     let test =
         py.detach(|| GraspTest::of_scenario(scenario, &hand, &instead, support_only)).map_err(fault)?;
     python_of(py, &test.experiment(&poses))
@@ -133,7 +135,8 @@ pub fn simulate_plan<'py>(
     disturb: Option<u64>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = plan.py();
-    let physics = TargetPhysics { mass_kg, friction, ..TargetPhysics::default() };
+    let physics =
+        TargetPhysics { mass_kg, friction: friction.map(Friction::from), ..TargetPhysics::default() };
     let disturbance = disturb.map(Disturbance::of_execution).unwrap_or_default();
     let instead = Instead { physics, closing_force_n, disturbance };
     if let Ok(plan) = plan.cast::<PyPlan>() {
@@ -171,7 +174,8 @@ pub fn plan_experiment<'py>(
     closing_force_n: Option<f64>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = plan.py();
-    let physics = TargetPhysics { mass_kg, friction, ..TargetPhysics::default() };
+    let physics =
+        TargetPhysics { mass_kg, friction: friction.map(Friction::from), ..TargetPhysics::default() };
     let instead = Instead { physics, closing_force_n, disturbance: Disturbance::default() };
     let plan = plan.get();
     let experiment = py.detach(|| {

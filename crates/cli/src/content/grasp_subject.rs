@@ -4,8 +4,8 @@ use clap::Args;
 use cranny_collision::{Body, World};
 use cranny_grasp::{FirstApproach, Hand, HeldObject, LoadMeasure, Pads, SamplerSettings};
 use cranny_scenario::{
-    DEFAULT_FRICTION, ObjectType, OpenOptions, Scenario, ScenarioError, TargetPhysics, filter_around_object,
-    is_scenario, panda_hand, read_gripper,
+    DEFAULT_FRICTION, ObjectType, OpenOptions, Scenario, ScenarioError, filter_around_object, is_scenario,
+    panda_hand, read_gripper,
 };
 use cranny_shape::{Solid, Surface, TriangleSoup, UnionMoments, VolumeMoments};
 use cranny_spatial::{Pose, Vector};
@@ -158,7 +158,7 @@ impl Subject {
                 Place::Ground { ground_from_object: stable.ground_from_body }
             }
         };
-        Ok(Self { name, mesh, friction, mass_kg: Some(mass_kg), moments, place, hand })
+        Ok(Self { name, mesh, friction: friction.low, mass_kg: Some(mass_kg), moments, place, hand })
     }
 
     /// Opens the target of a scenario at its pose, with its surroundings and the hand of the scenario's robot.
@@ -186,7 +186,8 @@ impl Subject {
                 return Err(Failure::Flag { flag: "gripper", problem });
             }
         };
-        let TargetPhysics { mass_kg, friction, .. } = scenario.target_physics();
+        let physics = scenario.target_physics();
+        let (mass_kg, friction) = (physics.mass_kg, physics.least_friction());
         let moments = scenario.target_weight().and_then(|weight| weight.moments);
         let Some(target) = scenario.target else { return Err(Failure::NoTarget { id: scenario.id }) };
         let (name, place) = (scenario.id, Place::Scene { world: scenario.world, target });

@@ -3,8 +3,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use cranny_scenario::{
-    DEFAULT_FRICTION, OBJECT_FILE, ObjectSettings, ObjectType, RestingPose, ScenarioError, builtin_object,
-    builtin_object_names, check_free_folder, write_whole_file, write_whole_folder,
+    DEFAULT_FRICTION, Friction, OBJECT_FILE, ObjectSettings, ObjectType, RestingPose, ScenarioError,
+    builtin_object, builtin_object_names, check_free_folder, write_whole_file, write_whole_folder,
 };
 use cranny_shape::{DecompositionSettings, RepairedMesh, TriangleSoup, VolumeError, mesh_colour};
 use cranny_spatial::Vector;
@@ -63,9 +63,9 @@ pub struct AddArguments {
     /// Mass in kilograms
     #[arg(long, value_name = "KG")]
     pub mass: f64,
-    /// Coefficient of friction between the object and the pads of a gripper
-    #[arg(long, value_name = "MU", default_value_t = DEFAULT_FRICTION)]
-    pub friction: f64,
+    /// Coefficient of friction between the object and the pads of a gripper, or its range, such as 0.35..0.6
+    #[arg(long, value_name = "MU", default_value_t = DEFAULT_FRICTION.into())]
+    pub friction: Friction,
     /// Factor that scales the mesh's coordinates: 0.001 for millimetres
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = positive)]
     pub scale: f64,
@@ -106,7 +106,7 @@ struct Shown {
     triangles: usize,
     volume_m3: f64,
     mass_kg: f64,
-    friction: f64,
+    friction: Friction,
     center_of_mass: [f64; 3],
     inertia_kg_m2: [[f64; 3]; 3],
     convex_parts: usize,

@@ -6,7 +6,7 @@ use cranny_file::counted;
 use cranny_grasp::Hand;
 use cranny_plan::Unobserved;
 use cranny_record::{PlanFile, read_waypoints};
-use cranny_scenario::{OpenOptions, TargetPhysics};
+use cranny_scenario::{Friction, OpenOptions, TargetPhysics};
 use cranny_sim::{
     Disturbance, ExecutedPlan, PickPath, PlacedError, PlanContact, PlanExecution, PlanRow, Released, SimError,
 };
@@ -28,9 +28,9 @@ pub struct InsteadArguments {
     /// Mass of the object, in kilograms (with several picks, of each object) [default: its own]
     #[arg(long, value_name = "KG", value_parser = positive)]
     mass: Option<f64>,
-    /// Coefficient of friction of the object [default: its own]
-    #[arg(long, value_name = "MU", value_parser = positive)]
-    friction: Option<f64>,
+    /// Coefficient of friction of the object, or its range, such as 0.35..0.6 [default: its own]
+    #[arg(long, value_name = "MU")]
+    friction: Option<Friction>,
     /// Closing force of the fingers, in newtons [default: the hand's own]
     #[arg(long, value_name = "N", value_parser = positive)]
     closing_force: Option<f64>,

@@ -280,7 +280,7 @@ fn with_loads(resting: &Resting, hand: &Hand, grasps: Vec<Grasp>) -> Result<Vec<
     let world = World::new(vec![resting.body(&placement, 0.0).body(&Pose::identity())?])?;
     let physics = resting.physics;
     let weight = Weight { mass_kg: physics.mass_kg, ..Weight::default() };
-    let Some(load_model) = LoadModel::by_hand(&world, 0, hand, (physics.friction, weight)) else {
+    let Some(load_model) = LoadModel::by_hand(&world, 0, hand, (physics.least_friction(), weight)) else {
         return Ok(grasps);
     };
     let scene_from_object = resting.scene_from_object(&placement, 0.0);

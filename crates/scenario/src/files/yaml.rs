@@ -6,8 +6,8 @@ use cranny_spatial::{Rotation, rotation_from_xyzw};
 
 use serde::de::DeserializeOwned;
 
-use crate::ScenarioError;
-use crate::object::object_type::check_number;
+use crate::object::error::check_number;
+use crate::{Friction, ObjectError, ScenarioError};
 
 /// Reads a YAML file.
 pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ScenarioError> {
@@ -69,9 +69,23 @@ pub(crate) fn positive(
     location: serde_saphyr::Location,
 ) -> Result<f64, ScenarioError> {
     finite(path, number, location)?;
-    let in_file = |fault| ScenarioError::At { at: at(path, location), fault: Box::new(fault) };
-    check_number(what, number).map_err(in_file)?;
+    check_number(what, number).map_err(|fault| at_line(path, location, fault))?;
     Ok(number)
+}
+
+fn at_line(path: &Path, location: serde_saphyr::Location, fault: ObjectError) -> ScenarioError {
+    ScenarioError::At { at: at(path, location), fault: Box::new(fault.into()) }
+}
+
+/// Returns a coefficient of friction of a file, or its range, if it is positive and finite.
+pub(crate) fn friction(
+    path: &Path,
+    friction: Friction,
+    location: serde_saphyr::Location,
+) -> Result<Friction, ScenarioError> {
+    finite(path, friction.low, location)?;
+    finite(path, friction.high, location)?;
+    friction.check().map_err(|fault| at_line(path, location, fault))
 }
 
 /// Returns the rotation of a unit quaternion (x, y, z, w).

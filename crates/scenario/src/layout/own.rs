@@ -20,8 +20,8 @@ use crate::layout::own_file::{
 use crate::robot::file;
 use crate::scenario::in_frame;
 use crate::{
-    BodyColours, BuiltinRobot, CloudCounts, OBJECT_FILE, ObjectSource, ObjectType, OpenOptions, RobotSource,
-    Scenario, ScenarioError, TargetPhysics, scenario,
+    BodyColours, BuiltinRobot, CloudCounts, Friction, OBJECT_FILE, ObjectSource, ObjectType, OpenOptions,
+    RobotSource, Scenario, ScenarioError, TargetPhysics, scenario,
 };
 
 /// File that identifies a folder as a scenario in Cranny's layout.
@@ -377,12 +377,11 @@ impl Layout<'_> {
     pub fn physics(
         &self,
         mass_kg: Option<&Spanned<f64>>,
-        friction: Option<&Spanned<f64>>,
+        friction: Option<&Spanned<Friction>>,
     ) -> Result<TargetPhysics, ScenarioError> {
-        let number = |what: &'static str, number: Option<&Spanned<f64>>| {
-            number.map(|n| yaml::positive(self.path, what, n.value, n.referenced)).transpose()
-        };
-        let (mass_kg, friction) = (number("mass", mass_kg)?, number("friction", friction)?);
+        let mass_kg =
+            mass_kg.map(|n| yaml::positive(self.path, "mass", n.value, n.referenced)).transpose()?;
+        let friction = friction.map(|n| yaml::friction(self.path, n.value, n.referenced)).transpose()?;
         Ok(TargetPhysics { mass_kg, friction, ..TargetPhysics::default() })
     }
 

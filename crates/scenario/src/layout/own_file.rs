@@ -12,6 +12,7 @@ use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_saphyr::Spanned;
 
+use crate::Friction;
 use crate::seen::seen_entry::SeenEntry;
 
 /// Scenario file. Poses and heights are in the scene frame; metres, and degrees where the key contains `deg`.
@@ -127,7 +128,7 @@ pub(crate) struct BodyEntry {
     pub pose: Option<Spanned<PoseEntry>>,
     pub shapes: Vec<Spanned<ShapeEntry>>,
     pub mass_kg: Option<Spanned<f64>>,
-    pub friction: Option<Spanned<f64>>,
+    pub friction: Option<Spanned<Friction>>,
     pub rolling_m: Option<Spanned<f64>>,
     pub upright_deg: Option<Spanned<f64>>,
 }
@@ -154,9 +155,9 @@ struct BodyKeys {
     /// Mass (kg), which takes precedence over that of its object; positive.
     #[schemars(with = "Option<f64>")]
     mass_kg: Option<Spanned<f64>>,
-    /// Coefficient of friction between it and the pads of a gripper, which takes precedence over that of its object; positive.
-    #[schemars(with = "Option<f64>")]
-    friction: Option<Spanned<f64>>,
+    /// Coefficient of friction between it and the pads of a gripper, which takes precedence over that of its object.
+    #[schemars(with = "Option<Friction>")]
+    friction: Option<Spanned<Friction>>,
     /// Rolling resistance on its support (m): the lever arm on which the normal force stops a rotation; at least 0.
     #[schemars(with = "Option<f64>")]
     rolling_m: Option<Spanned<f64>>,
@@ -316,8 +317,8 @@ pub(crate) struct StepEntry {
     #[schemars(with = "Option<f64>")]
     pub mass_kg: Option<Spanned<f64>>,
     /// Coefficient of friction between it and the pads of a gripper.
-    #[schemars(with = "Option<f64>")]
-    pub friction: Option<Spanned<f64>>,
+    #[schemars(with = "Option<Friction>")]
+    pub friction: Option<Spanned<Friction>>,
 }
 
 /// Spelling of the motion after placing in files.

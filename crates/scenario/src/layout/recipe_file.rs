@@ -12,7 +12,7 @@ use crate::files::atomic_file::write_into;
 use crate::layout::own;
 use crate::layout::recipe::{Recipe, RecipeBody, RecipeShape};
 use crate::robot::in_folder::{ROBOT, write_robot};
-use crate::{NamedTask, ScenarioError, StatedSpeed, TargetPhysics};
+use crate::{Friction, NamedTask, ScenarioError, StatedSpeed, TargetPhysics};
 
 /// Folder of a scenario's meshes.
 const MESHES: &str = "meshes";
@@ -281,7 +281,12 @@ fn write_bound(text: &mut String, bound: &ToolBound) {
 
 fn write_physics(text: &mut String, indent: &str, physics: TargetPhysics) {
     let TargetPhysics { mass_kg, friction, rolling_m } = physics;
-    for (key, number) in [("mass_kg", mass_kg), ("friction", friction), ("rolling_m", rolling_m)] {
+    for (key, number) in [("mass_kg", mass_kg), ("rolling_m", rolling_m)] {
         let _ = number.map(|number| writeln!(text, "{indent}{key}: {number}"));
     }
+    let _ = match friction {
+        Some(Friction { low, high }) if low < high => writeln!(text, "{indent}friction: [{low}, {high}]"),
+        Some(Friction { low, .. }) => writeln!(text, "{indent}friction: {low}"),
+        None => Ok(()),
+    };
 }

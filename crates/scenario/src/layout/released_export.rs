@@ -44,7 +44,7 @@ impl Recipe {
         let mut library = String::from("description: no description available\nname: cranny\nobjects:\n");
         let physics = self.target_physics();
         let of_target =
-            (physics.mass_kg.unwrap_or(OBJECT_MASS_KG), physics.friction.unwrap_or(PAPER_FRICTION));
+            (physics.mass_kg.unwrap_or(OBJECT_MASS_KG), physics.least_friction().unwrap_or(PAPER_FRICTION));
         // A simulator fixes an object without mass in space.
         let of_obstacle = (0.0, PAPER_FRICTION);
         for (body, (mass_kg, friction)) in

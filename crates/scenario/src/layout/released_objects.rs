@@ -8,7 +8,7 @@ use serde::de::IgnoredAny;
 use serde_saphyr::Spanned;
 
 use crate::files::yaml;
-use crate::{ScenarioError, TargetPhysics};
+use crate::{Friction, ScenarioError, TargetPhysics};
 
 /// Released object library: meshes of each object type.
 pub(crate) struct ObjectLibrary {
@@ -110,7 +110,7 @@ impl ObjectLibrary {
             friction: object
                 .friction_coeff
                 .as_ref()
-                .map(|number| positive("friction", number))
+                .map(|number| positive("friction", number).map(Friction::from))
                 .transpose()?,
             rolling_m: None,
         })

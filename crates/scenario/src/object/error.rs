@@ -41,6 +41,14 @@ pub enum ObjectError {
         /// Invalid value.
         value: f64,
     },
+    /// The ends of a range of friction are exchanged.
+    #[error("a range of friction goes from its lower end to its upper one, not from {low} to {high}")]
+    Friction {
+        /// First end.
+        low: f64,
+        /// Second end.
+        high: f64,
+    },
     /// A figure of an `object.yaml` disagrees with the meshes.
     #[error(
         "{}: {figures} (`cranny object add` with --mass writes the folder anew)",
@@ -63,6 +71,11 @@ pub enum ObjectError {
         /// Names of the built-in objects.
         known: String,
     },
+}
+
+/// Checks that a number of an object is positive.
+pub(crate) fn check_number(what: &'static str, value: f64) -> Result<(), ObjectError> {
+    if value > 0.0 && value.is_finite() { Ok(()) } else { Err(ObjectError::Number { what, value }) }
 }
 
 /// Returns a length as text in a readable unit.

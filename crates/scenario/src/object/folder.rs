@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::files::atomic_file::write_into;
 use crate::files::yaml;
 use crate::object::object_type::check_numbers;
-use crate::{ObjectError, ObjectSettings, ObjectType, ScenarioError, write_whole_file};
+use crate::{Friction, ObjectError, ObjectSettings, ObjectType, ScenarioError, write_whole_file};
 
 /// File that identifies a folder as an object.
 pub const OBJECT_FILE: &str = "object.yaml";
@@ -28,7 +28,7 @@ struct ObjectFile {
     /// Errors of the convex parts, as shares of the volume.
     convex_parts_error: VolumeError,
     mass_kg: f64,
-    friction: f64,
+    friction: Friction,
     volume_m3: f64,
     center_of_mass: [f64; 3],
     /// Inertia about the centre of mass: xx, yy, zz, xy, xz, yz.

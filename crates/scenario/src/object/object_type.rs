@@ -8,7 +8,8 @@ use cranny_shape::{
 use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{Point, Pose};
 
-use crate::{ObjectError, ScenarioError};
+use crate::object::error::check_number;
+use crate::{Friction, ObjectError, ScenarioError};
 
 /// Type of graspable object: shape, mass, friction and stable poses. All quantities are in the object's frame, the frame of its
 /// mesh; the density is uniform.
@@ -28,7 +29,7 @@ pub struct ObjectType {
     /// Mass, in kilograms.
     pub mass_kg: f64,
     /// Coefficient of friction between the object and the pads of a gripper.
-    pub friction: f64,
+    pub friction: Friction,
     /// Volume, in cubic metres.
     pub volume_m3: f64,
     /// Centre of mass, in metres.
@@ -49,8 +50,8 @@ pub struct ObjectSettings {
     pub name: String,
     /// Mass, in kilograms; positive.
     pub mass_kg: f64,
-    /// Coefficient of friction; positive. Default [`DEFAULT_FRICTION`].
-    pub friction: f64,
+    /// Coefficient of friction. Default [`DEFAULT_FRICTION`].
+    pub friction: Friction,
     /// Settings for cutting the mesh into convex parts.
     pub decomposition: DecompositionSettings,
     /// Minimum probability of a listed stable pose, unless it is the most likely one. Default 0.005: a polyhedron with more
@@ -64,7 +65,7 @@ impl ObjectSettings {
         Self {
             name: name.into(),
             mass_kg,
-            friction: DEFAULT_FRICTION,
+            friction: DEFAULT_FRICTION.into(),
             decomposition: DecompositionSettings::default(),
             least_probability: 0.005,
         }
@@ -134,7 +135,7 @@ impl ObjectType {
     ///
     /// # Errors
     /// [`ObjectError::Number`] for a number that is not positive.
-    pub fn with_mass_and_friction(self, mass_kg: f64, friction: f64) -> Result<Self, ScenarioError> {
+    pub fn with_mass_and_friction(self, mass_kg: f64, friction: Friction) -> Result<Self, ScenarioError> {
         check_numbers(mass_kg, friction)?;
         let inertia_kg_m2 = self.inertia_kg_m2 * (mass_kg / self.mass_kg);
         Ok(Self { mass_kg, friction, inertia_kg_m2, ..self })
@@ -142,7 +143,7 @@ impl ObjectType {
 
     /// Returns the held object in its own frame ([`LoadMeasure`](cranny_grasp::LoadMeasure)); `None` without a surface.
     pub fn held(&self) -> Option<HeldObject> {
-        HeldObject::new(&self.mesh, &self.mass_moments(), Some(self.mass_kg), self.friction).ok()
+        HeldObject::new(&self.mesh, &self.mass_moments(), Some(self.mass_kg), self.friction.low).ok()
     }
 
     /// Returns the mass moments in the object's frame, as stated in its file.
@@ -164,14 +165,9 @@ impl ObjectType {
 }
 
 /// Checks that a mass (kg) and a coefficient of friction are positive.
-pub(crate) fn check_numbers(mass_kg: f64, friction: f64) -> Result<(), ScenarioError> {
+pub(crate) fn check_numbers(mass_kg: f64, friction: Friction) -> Result<(), ObjectError> {
     check_number("mass", mass_kg)?;
-    check_number("friction", friction)
-}
-
-/// Checks that a number of an object is positive.
-pub(crate) fn check_number(what: &'static str, value: f64) -> Result<(), ScenarioError> {
-    if value > 0.0 && value.is_finite() { Ok(()) } else { Err(ObjectError::Number { what, value }.into()) }
+    friction.check().map(|_| ())
 }
 
 fn check_size(soup: &TriangleSoup) -> Result<(), ScenarioError> {

@@ -40,7 +40,7 @@ impl ObjectSource {
     /// Returns mass and friction of the object, and the rolling resistance of a built-in one.
     pub fn physics(&self) -> TargetPhysics {
         let (mass_kg, friction, rolling_m) = match &self.0 {
-            Kind::BuiltIn(recipe) => (recipe.mass_kg, DEFAULT_FRICTION, Some(BUILTIN_ROLLING_M)),
+            Kind::BuiltIn(recipe) => (recipe.mass_kg, DEFAULT_FRICTION.into(), Some(BUILTIN_ROLLING_M)),
             Kind::Own(object) => (object.mass_kg, object.friction, None),
         };
         TargetPhysics { mass_kg: Some(mass_kg), friction: Some(friction), rolling_m }

@@ -41,7 +41,7 @@ impl Scenario {
     /// `None` if it cannot be computed ([`LoadModel`]).
     pub fn load_model(&self) -> Option<LoadModel> {
         self.robot.hand()?;
-        let (friction, weight) = (self.target_physics().friction, self.target_weight()?);
+        let (friction, weight) = (self.target_physics().least_friction(), self.target_weight()?);
         LoadModel::by_hand(&self.world, self.target?, &robot_hand(&self.robot), (friction, weight))
     }
 
@@ -73,7 +73,7 @@ impl Scenario {
         let Some(mass_kg) = physics.mass_kg else {
             return Err(ObjectError::NoMass { id: self.id.clone(), target: body.name.clone() }.into());
         };
-        let friction = physics.friction.unwrap_or(DEFAULT_FRICTION);
+        let friction = physics.friction.unwrap_or(DEFAULT_FRICTION.into());
         if let Some((source, world_from_object)) = self.placed_object() {
             let object = source.object()?.with_mass_and_friction(mass_kg, friction)?;
             return Ok(Some(TargetObject { object, world_from_object }));

@@ -1,3 +1,4 @@
+use cranny_scenario::Friction;
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
 
 /// Deviation of a grasp and its object from their models.
@@ -5,8 +6,10 @@ use cranny_spatial::{Pose, Rotation, Stream, Vector};
 pub struct Disturbance {
     /// Pose of the hand in the gripper frame of the grasp: equivalent to an error of the object pose.
     pub grasp_from_hand: Pose,
-    /// Factor on the friction.
+    /// Factor on a coefficient of friction that is one number.
     pub friction: f64,
+    /// Share of the way from the lower to the upper end of a coefficient that is a range, in [0, 1].
+    pub friction_share: f64,
     /// Factor on the mass.
     pub mass: f64,
     /// Factor on the closing force.
@@ -14,8 +17,17 @@ pub struct Disturbance {
 }
 
 impl Disturbance {
-    /// Draws the errors of an executed plan from a seed: of the hand 2 mm along and 2° about each axis, of the friction 30 %,
-    /// of the mass 20 %, each uniform.
+    /// Returns the coefficient of friction of an object with this one.
+    pub fn friction_of(&self, stated: &Friction) -> f64 {
+        if stated.is_range() {
+            stated.low + self.friction_share * (stated.high - stated.low)
+        } else {
+            stated.low * self.friction
+        }
+    }
+
+    /// Draws the errors of an executed plan from a seed: of the hand 2 mm along and 2° about each axis, of the friction 30 % or
+    /// its stated range, of the mass 20 %, each uniform.
     pub fn of_execution(seed: u64) -> Self {
         let wrong = Uncertainty {
             position_m: 0.002,
@@ -30,7 +42,13 @@ impl Disturbance {
 
 impl Default for Disturbance {
     fn default() -> Self {
-        Self { grasp_from_hand: Pose::identity(), friction: 1.0, mass: 1.0, closing_force: 1.0 }
+        Self {
+            grasp_from_hand: Pose::identity(),
+            friction: 1.0,
+            friction_share: 0.0,
+            mass: 1.0,
+            closing_force: 1.0,
+        }
     }
 }
 
@@ -77,6 +95,7 @@ impl Uncertainty {
                 Rotation::from_scaled_axis(vector(row, 3) * self.rotation_rad),
             ),
             friction: 1.0 + self.friction * columns[6][row],
+            friction_share: 0.5 + 0.5 * columns[6][row],
             mass: 1.0 + self.mass * columns[7][row],
             closing_force: 1.0 + self.closing_force * columns[8][row],
         };

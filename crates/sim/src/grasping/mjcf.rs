@@ -54,7 +54,7 @@ impl Mjcf {
         let timestep_s = step_s / mujoco_steps(&test.physics) as f64;
         let ContactReference { time_constant_s, damping_ratio, impedance } =
             ContactReference::new(&test.physics, timestep_s);
-        let friction = test.object.friction;
+        let friction = test.object.friction.low;
         let torsional_friction_m = friction * LEAST_ARM_M;
         format!(
             r#"<mujoco model="grasp test">
