@@ -48,7 +48,7 @@ fn picture(source: &str) -> Result<Png, Failure> {
     let camera = scene.whole_camera_from(view.direction_deg(), WIDTH as f64 / HEIGHT as f64);
     let settings =
         PictureSettings { width: WIDTH, height: HEIGHT, camera: Some(camera), ..PictureSettings::default() };
-    let picture = Picture::of(&scene, view, &settings)?;
+    let picture = Picture::of(&scene, view, &settings)?.in_few_shades();
     let bytes = picture.png(source.as_ref())?;
     Ok(Png { width: WIDTH, height: HEIGHT, bytes })
 }

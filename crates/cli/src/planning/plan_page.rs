@@ -438,7 +438,8 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     }
     let is_spent = matches!(plan.outcome, Outcome::BudgetExhausted | Outcome::ClaimedNotProven);
     if is_spent && plan.no_grasp.is_none() {
-        line("hint", "a longer --time-limit, another --seed or another --planner may find a path".to_owned());
+        let first = if answered.obstruction.is_some() { "the next view, a longer" } else { "a longer" };
+        line("hint", format!("{first} --time-limit, another --seed or another --planner may find a path"));
     }
     if plan.outcome != Outcome::Solved && answered.plan_file.is_none() {
         line(

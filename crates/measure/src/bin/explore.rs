@@ -1,8 +1,9 @@
 //! Explores true scenarios view by view until a plan is proven in the space that the views show, and judges it in the true scenario:
-//! `cargo run --release -p cranny-measure --bin explore -- VIEWS SEEDS fixed|hand SCENARIO…`.
+//! `cargo run --release -p cranny-measure --bin explore -- VIEWS SEEDS fixed|hand none|support|all SCENARIO…`.
 //!
 //! The first view is that of the first default camera (320 × 240 pixels, errors of up to 1 mm + 0.5 % and half a pixel); then a
-//! free-standing camera, or one on the hand, is moved up to VIEWS views in all, once per seed of the errors. Prints for each
+//! free-standing camera, or one on the hand, is moved up to VIEWS views in all, once per seed of the errors. The places of no obstacle,
+//! of the target's support or of all obstacles are known. Prints for each
 //! exploration the number of views, the outcome, the verdict in the true scenario, the time, and what blocked the last candidate.
 
 use std::error::Error;
@@ -10,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use cranny_collision::Margins;
 use cranny_explore::{CameraKind, Candidate, ExploreSettings, ViewReport, explore, true_contact};
+use cranny_measure::known_bodies::known_bodies;
 use cranny_plan::{Budget, Unobserved};
 use cranny_scenario::{OpenOptions, Scenario};
 use cranny_sense::{Camera, CameraFrame, PlacedCamera, SensorModel};
@@ -24,8 +26,8 @@ const HAND_CAMERA_M: [f64; 3] = [0.07, 0.0, -0.08];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let [views, seeds, kind, scenarios @ ..] = &words[..] else {
-        return Err("usage: explore VIEWS SEEDS fixed|hand SCENARIO…".into());
+    let [views, seeds, kind, known, scenarios @ ..] = &words[..] else {
+        return Err("usage: explore VIEWS SEEDS fixed|hand none|support|all SCENARIO…".into());
     };
     let kind = match kind.as_str() {
         "fixed" => CameraKind::Fixed,
@@ -38,8 +40,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut solved, mut all, mut used) = (0, 0, Vec::new());
     for id in scenarios {
         let truth = Scenario::open(id, &OpenOptions::default())?;
+        let known = known_bodies(&truth, known)?;
         for seed in 0..seeds {
-            let (row, count) = explored(&truth, views, kind, seed)?;
+            let (row, count) = explored(&truth, &known, views, kind, seed)?;
             println!("| {id} | {seed} {row}");
             all += 1;
             solved += usize::from(count.is_some());
@@ -58,6 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Returns the row of an exploration, and its number of views if it was solved.
 fn explored(
     truth: &Scenario,
+    known: &[String],
     views: usize,
     kind: CameraKind,
     seed: u64,
@@ -71,6 +75,7 @@ fn explored(
         frame: CameraFrame::Link(tip),
         camera: Camera::with_field_of_view([320, 240], 70_f64.to_radians(), tip_from_camera)?,
         sensor: SensorModel::default(),
+        configuration: None,
     });
     let budget = Budget { time: SEARCH_TIME, ..Budget::default() };
     let settings = ExploreSettings {
@@ -78,6 +83,7 @@ fn explored(
         cameras,
         kind,
         noise_seed: Some(seed),
+        known: known.to_vec(),
         request: Request { budget, seed, ..Request::default() },
         ..ExploreSettings::default()
     };

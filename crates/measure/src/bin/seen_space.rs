@@ -2,13 +2,15 @@
 //! `cargo run --release -p cranny-measure --bin seen_space -- CAMERAS SEEDS solid|free none|support|all SCENARIO…`.
 //!
 //! For each scenario, CAMERAS default cameras (320 × 240 pixels, errors of up to 1 mm + 0.5 % and half a pixel) see it once per seed.
-//! The places of no obstacle, of the target's support or of all obstacles are known. Prints the number of maps, the median times in milliseconds of the map (without rendering) and of planning with its proof, the
-//! numbers of solved plans, of those that meet a true obstacle, and of maps of which no grasp is reachable.
+//! The places of no obstacle, of the target's support or of all obstacles are known. Prints the number of maps, the median times in
+//! milliseconds of the map (without rendering) and of planning with its proof, the numbers of solved plans, of those that meet a true
+//! obstacle, and of maps of which no grasp is reachable.
 
 use std::error::Error;
 use std::time::{Duration, Instant};
 
 use cranny_collision::Margins;
+use cranny_measure::known_bodies::known_bodies;
 use cranny_plan::{Budget, Outcome, Unobserved};
 use cranny_scenario::{OpenOptions, Scenario, SeenOptions};
 use cranny_sense::{Noise, Unseen, View};
@@ -34,14 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for id in scenarios {
         let mut tally = Tally::default();
         let truth = Scenario::open(id, &OpenOptions::default())?;
-        let bodies = truth.world.bodies();
-        let indices: Vec<usize> = match (known.as_str(), truth.target) {
-            ("support", Some(target)) => truth.world.supports_of(target),
-            ("all", _) => (0..bodies.len()).collect(),
-            ("none" | "support", _) => Vec::new(),
-            _ => return Err("known are 'none', 'support' or 'all'".into()),
-        };
-        let known: Vec<String> = indices.into_iter().map(|index| bodies[index].name.clone()).collect();
+        let known = known_bodies(&truth, known)?;
         measure(&truth, &known, cameras, seeds, unseen, &mut tally)?;
         println!("| {id} {}", tally.row());
         total.add(tally);

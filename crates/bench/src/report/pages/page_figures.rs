@@ -76,7 +76,7 @@ impl<'a> Markup<'a> {
             Shown::Megabytes => " data-scale=\"0.000001\"",
             Shown::Plain | Shown::Count | Shown::TableSeconds | Shown::Probability => "",
         };
-        format!("<data value=\"{number}\" data-path=\"{path}\"{scale}>{text}</data>")
+        format!("<span data-path=\"{path}\"{scale}>{text}</span>")
     }
 
     /// Returns two figures as the ends of an interval.
