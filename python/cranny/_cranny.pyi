@@ -174,6 +174,7 @@ class DepthView:
         *,
         name: str = "view",
         scale: float | None = None,
+        q: ArrayLike | None = None,
         depth_error_m: float | None = None,
         depth_error_share: float | None = None,
         lateral_error_px: float | None = None,
@@ -194,6 +195,9 @@ class DepthView:
     def intrinsics(self) -> tuple[float, float, float, float]: ...
     @property
     def pose(self) -> _Floats: ...
+    @property
+    def q(self) -> _Floats | None: ...
+    def with_q(self, q: ArrayLike | None) -> DepthView: ...
     @property
     def valid(self) -> int: ...
     @property

@@ -262,6 +262,7 @@ def depth_view(
     rectified: bool = False,
     name: str = "view",
     scale: float | None = None,
+    q: ArrayLike | None = None,
     **sensor: float,
 ) -> DepthView:
     """View of a `sensor_msgs/Image` of depths with its `CameraInfo`, for `cranny.World`. `pose`: `world_from_camera`, (4, 4), of the
@@ -277,7 +278,7 @@ def depth_view(
     if frames[0] != frames[1]:
         raise ValueError(f"the image is in the frame '{frames[0]}', but its CameraInfo in '{frames[1]}'")
     matrix = intrinsics_of(info, rectified=rectified)
-    return DepthView(depth, matrix, pose, name=name, scale=scale, **sensor)
+    return DepthView(depth, matrix, pose, name=name, scale=scale, q=q, **sensor)
 
 
 def _region(info: dict[str, Any], width: int, height: int) -> tuple[int, int, int, int]:

@@ -45,8 +45,8 @@ class World:
 
     `scenario`: what is known, a Scenario: the robot at its start, obstacles whose places are known, the object to grasp, the
     floor, the goals. With `views` (a list of DepthView), all surfaces that they show are obstacles too, and all space that none of
-    them shows to be free. `q`: configuration of the robot in the images (None: the start); the robot is cut out of the map, as are
-    the bodies of the scenario. The other keywords are those of `seen` in a `scenario.yaml` (docs/sensing.md): `unseen` "solid" or "free",
+    them shows to be free. `q`: configuration of the robot now, from which `plan` starts (None: the start of the scenario). The robot is
+    cut out of the map, in each view at the `q` of the view (None: as now), as are the bodies of the scenario. The other keywords are those of `seen` in a `scenario.yaml` (docs/sensing.md): `unseen` "solid" or "free",
     `cell_m`, `fine_m`, `region` (2, 3), the least and the greatest coordinates, `robot_reach_m`, `floor_reach_m`, `tolerance_m`;
     None: the default there.
 
@@ -163,17 +163,16 @@ class World:
         names: Sequence[str] | None = None,
     ) -> None:
         """Replaces the views by new images, or adds them (`add`), and maps the space that they show. Arguments that are left out are
-        those of the last images, which must then be as many. `q`: configuration of the robot in the images (None: as before); added
-        images must show the robot where the others do."""
+        those of the last images, which must then be as many. `q`: configuration of the robot now, in these images (None: as before);
+        views that are kept show it where it was."""
         state = self._state
         known = state.known
         if q is not None:
             known = known.with_start(q)
-            if add and state.views and (known.start != state.known.start).any():
-                raise ValueError("q: the views that are kept show the robot in another configuration")
         given = _images(images, intrinsics, poses, scale, sensor, names, state.images, len(state.views) if add else 0)
         views = tuple(_view(image, index, given) for index, image in enumerate(images))
-        kept = state.views if add else ()
+        before = state.known.start
+        kept = tuple(view.with_q(before) if view.q is None else view for view in state.views) if add else ()
         self._state = self._built(known, kept + views, given, state.clouds)
 
     def add_cloud(
@@ -269,8 +268,7 @@ class World:
         return self.cell.motion_is_free(a, b, threads=threads)
 
     def plan(self, planner: str | None = None, *, start: ArrayLike | None = None, **keywords: Any) -> Plan:
-        """Plans as `cranny.plan` among the obstacles as they are now, from `start`, the robot's current configuration (None: that in
-        the images). The keywords are those of `cranny.plan`."""
+        """Plans as `cranny.plan` among the obstacles as they are now, from `start` (None: the configuration in the last images). The keywords are those of `cranny.plan`."""
         return plan_of_scenario(self.scenario, planner, start=start, **keywords)
 
     def __repr__(self) -> str:

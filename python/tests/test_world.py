@@ -111,8 +111,16 @@ def test_an_update_replaces_or_adds_views(robot: cranny.Robot, known: cranny.Sce
     world.update([image(robot, now, [], other, seed=2)], poses=[other], add=True)
     assert [view.name for view in world.views] == ["top", "view2"]
     assert world.report["seen"]["views"] == 2 and world.report["seen"]["free_m3"] > free_m3
-    with pytest.raises(ValueError, match="show the robot in another configuration"):
-        world.update([image(robot, START, [])], poses=[ABOVE], add=True, q=START)
+    # The robot moves: the views that are kept show it where it was, and it hides no longer what is there.
+    before_m3 = world.report["seen"]["free_m3"]
+    world.update([image(robot, START, [])], poses=[ABOVE], add=True, q=START)
+    assert [view.q is None for view in world.views] == [False, False, True]
+    assert world.report["seen"]["free_m3"] > before_m3
+    assert np.array_equal(world.scenario.start, START)
+    with pytest.raises(ValueError, match="view 'top': the configuration has 3 values, but the robot has 2 joints"):
+        cranny.World(known, views=[world.views[0].with_q([0.1, 0.2, 0.3])])
+    with pytest.raises(ValueError, match="q"):
+        world.views[0].with_q([float("nan")] * 6)
     # An update that fails changes nothing.
     kept = world.scenario
     with pytest.raises(ValueError, match="shape"):

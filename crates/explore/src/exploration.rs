@@ -10,7 +10,6 @@ use cranny_task::Criterion;
 use crate::blockage::is_proven;
 use crate::given_path::with_given_path;
 use crate::prospect::{LEAST_ROOM_M, trial};
-use crate::robot_mask::without_robot;
 use crate::{
     Blockage, CameraKind, Candidate, ExploreError, NextView, find_blockage, next_fixed_view, next_hand_view,
 };
@@ -179,7 +178,8 @@ impl<'a> Exploration<'a> {
             known: truth.with_known_bodies_only(&settings.known)?,
             bodies: SensedScene::of_world(&truth.world)?,
             first: first.clone(),
-            mover: mover.clone(),
+            // It is where the robot brings it.
+            mover: PlacedCamera { configuration: None, ..mover.clone() },
             views: Vec::new(),
             candidate: None,
         })
@@ -260,14 +260,12 @@ impl<'a> Exploration<'a> {
             seed: other_seed(self.settings.noise_seed.unwrap_or(0), index as u64),
             ..Noise::default()
         };
+        let q = q.or(camera.configuration.as_ref());
         let at = q.unwrap_or(&self.truth.start);
         let scene = self.bodies.clone().with_robot(robot, at)?;
         let placed = camera.at(robot, at)?;
         let view = scene.view(format!("view{}", index + 1), &placed, &camera.sensor, &noise)?;
-        Ok(match q {
-            Some(q) => without_robot(view, robot, q)?,
-            None => view,
-        })
+        Ok(view.at_configuration(q.cloned()))
     }
 
     /// Chooses the next view.

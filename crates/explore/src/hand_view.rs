@@ -61,6 +61,7 @@ pub fn next_hand_view(
     observer: &mut dyn Observer,
 ) -> Result<Option<NextView>, ExploreError> {
     let robot = &*seen.robot;
+    let camera = &PlacedCamera { configuration: None, ..camera.clone() };
     let tip_from_camera = tip_from_camera(robot, camera, &seen.start)?;
     let Some(space) = seen.seen.as_ref().filter(|_| !blockage.cells.is_empty()) else { return Ok(None) };
     let prospects = Prospects::new(seen, &space.map, blockage, camera.sensor)?;

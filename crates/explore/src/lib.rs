@@ -10,7 +10,6 @@ mod hand_view;
 mod next_view;
 mod prediction;
 mod prospect;
-mod robot_mask;
 mod swept_cells;
 mod true_scene;
 mod worlds;

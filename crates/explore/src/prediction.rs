@@ -49,14 +49,18 @@ impl<'a> Predictions<'a> {
     ) -> Result<Option<Self>, ExploreError> {
         let Some(space) = seen.seen.as_ref().filter(|_| !views.is_empty()) else { return Ok(None) };
         let known = seen.without_map()?;
-        let bodies = known.sensed()?;
         let around = blockage.around().grown(AROUND_M);
+        let mut points = Vec::new();
+        for view in views {
+            let bodies = known.sensed_at(view.configuration.as_ref().unwrap_or(&known.start))?;
+            points.extend(points_of(view, &bodies.render(&view.camera)));
+        }
         Ok(Some(Self {
             known,
             options: SeenOptions { region: Some(around), ..space.options.clone() },
             sensor,
             cells: &blockage.cells,
-            points: views.iter().flat_map(|view| points_of(view, &bodies.render(&view.camera))).collect(),
+            points,
             grid: OccupancyGrid::new(&space.map),
             kind,
         }))

@@ -37,6 +37,7 @@ pub fn bad_camera() -> PlacedCamera {
         frame: CameraFrame::World,
         camera: Camera::with_field_of_view([160, 120], 1.3, pose).unwrap(),
         sensor: SensorModel::default(),
+        configuration: None,
     }
 }
 

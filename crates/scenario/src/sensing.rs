@@ -12,7 +12,18 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError::Sense`] for a body that cannot be rendered.
     pub fn sensed(&self) -> Result<SensedScene, ScenarioError> {
-        Ok(SensedScene::of_world(&self.world)?.with_robot(&self.robot, &self.start)?)
+        self.sensed_at(&self.start)
+    }
+
+    /// Returns the same with the robot at `q` (m, rad; one value per joint).
+    ///
+    /// # Errors
+    /// [`ScenarioError::Sense`] for a body that cannot be rendered.
+    ///
+    /// # Panics
+    /// If `q` has not one value per joint.
+    pub fn sensed_at(&self, q: &[f64]) -> Result<SensedScene, ScenarioError> {
+        Ok(SensedScene::of_world(&self.world)?.with_robot(&self.robot, q)?)
     }
 
     /// Returns the number of the target in segment images of [`Self::sensed`]; `None` without a target.
@@ -50,6 +61,7 @@ impl Scenario {
             frame: CameraFrame::World,
             camera,
             sensor: SensorModel::default(),
+            configuration: None,
         };
         Ok(default_cameras(scene, &request)?.into_iter().enumerate().map(placed).collect())
     }

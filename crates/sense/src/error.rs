@@ -7,6 +7,16 @@ use cranny_robot::Location;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SenseError {
+    /// The configuration of the robot in a view does not fit the robot.
+    #[error("view '{view}': the configuration has {actual} values, but the robot has {expected} joints")]
+    Configuration {
+        /// Name of the view.
+        view: String,
+        /// Number of values.
+        actual: usize,
+        /// Number of joints.
+        expected: usize,
+    },
     /// A property of a camera is out of its range.
     #[error("the {property} of a camera must be {range}, but is {value}")]
     Camera {

@@ -11,10 +11,12 @@ pub struct View {
     pub depth: DepthImage,
     /// Bounds of all errors.
     pub sensor: SensorModel,
+    /// Configuration of the robot in the image (m, rad; one value per joint); `None`: that at the start of the motion.
+    pub configuration: Option<Vec<f64>>,
 }
 
 impl View {
-    /// Creates a view.
+    /// Creates a view of the robot at its start.
     ///
     /// # Errors
     /// Those of [`Camera::check`] and [`SensorModel::check`]; [`SenseError::ViewSize`] if the image has another size than the
@@ -31,6 +33,12 @@ impl View {
         if of_image != of_camera {
             return Err(SenseError::ViewSize { image: of_image, camera: of_camera });
         }
-        Ok(Self { name: name.into(), camera, depth, sensor })
+        Ok(Self { name: name.into(), camera, depth, sensor, configuration: None })
+    }
+
+    /// Returns the view as one of the robot at this configuration (m, rad; one value per joint).
+    #[must_use]
+    pub fn at_configuration(self, configuration: Option<Vec<f64>>) -> Self {
+        Self { configuration, ..self }
     }
 }

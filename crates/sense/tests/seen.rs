@@ -159,6 +159,38 @@ fn known_bodies_are_cut_out_and_nothing_else() {
     assert!(touches(&map, &ball.solids[0]));
 }
 
+/// A plate stands behind the place of an arm, within the distance at which unseen space counts as free. The first view shows it, since
+/// the arm is elsewhere in it.
+#[test]
+fn what_a_view_shows_where_a_known_body_will_be_is_an_obstacle() {
+    let plate = Solid::cuboid(Vector::new(0.003, 0.03, 0.04)).unwrap();
+    let plate = Body::new("plate", Pose::translation(-0.355, -0.45, 0.1), plate);
+    let others = [&bodies()[..], std::slice::from_ref(&plate)].concat();
+    let arm = Solid::cuboid(Vector::new(0.03, 0.03, 0.04)).unwrap();
+    let [before, now] = [0.3, -0.45].map(|y| Pose::translation(-0.4, y, 0.1));
+    let known = |place: Pose| KnownBody {
+        name: "arm".to_owned(),
+        solids: vec![(place, arm.clone())],
+        tolerance_m: 0.005,
+        reach_m: 0.03,
+        is_transparent: false,
+        is_alone: false,
+    };
+    let camera = &cameras(1)[0];
+    let seen_with = |place: Pose| {
+        let whole = [&others[..], &[Body::new("arm", place, arm.clone())]].concat();
+        let scene = SensedScene::of_world(&World::new(whole).unwrap()).unwrap();
+        scene.view("view", camera, &SensorModel::default(), &Noise::default()).unwrap()
+    };
+    let views = [seen_with(before), seen_with(now)];
+    let wrong = |shown: &[Option<Vec<KnownBody>>]| {
+        let map = SeenMap::of_moving(&views, &[known(now)], shown, settings()).unwrap();
+        wrongly_free(&map, std::slice::from_ref(&plate), draws())
+    };
+    assert_eq!(wrong(&[Some(vec![known(before)]), None]), 0);
+    assert!(wrong(&[]) > 0, "the plate would count as the edge of the arm");
+}
+
 #[test]
 fn above_a_known_support_there_is_room_where_a_camera_sees_it() {
     let bodies = bodies();

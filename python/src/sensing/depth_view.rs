@@ -20,6 +20,8 @@ use crate::sensing::image::{DepthArray, DroppedDepths};
 /// them. `intrinsics`: (fx, fy, cx, cy) or a camera matrix (3, 3), in pixels, without distortion; the centre of the first pixel is at
 /// (0, 0). `pose`: `world_from_camera`, (4, 4), of the optical frame: z forward, x to the right of the image, y down.
 ///
+/// `q`: configuration of the robot in the image, one value per joint (m, rad); None: that at the start of the motion.
+///
 /// The other keywords bound the errors, as `sensor` in a `views.yaml`; None: the default there. The bounds include the rounding of
 /// the image.
 #[pyclass(name = "DepthView", module = "cranny", frozen)]
@@ -32,8 +34,8 @@ pub struct PyDepthView {
 #[pymethods]
 impl PyDepthView {
     #[new]
-    #[pyo3(signature = (image, intrinsics, pose, *, name="view", scale=None, depth_error_m=None, depth_error_share=None,
-        lateral_error_px=None, position_error_m=None, turn_error_deg=None, nearest_m=None, farthest_m=None))]
+    #[pyo3(signature = (image, intrinsics, pose, *, name="view", scale=None, q=None, depth_error_m=None,
+        depth_error_share=None, lateral_error_px=None, position_error_m=None, turn_error_deg=None, nearest_m=None, farthest_m=None))]
     #[allow(clippy::too_many_arguments, reason = "the keywords of the Python class")]
     fn new(
         image: &Bound<'_, PyAny>,
@@ -41,6 +43,7 @@ impl PyDepthView {
         pose: &Bound<'_, PyAny>,
         name: &str,
         scale: Option<f64>,
+        q: Option<&Bound<'_, PyAny>>,
         depth_error_m: Option<f64>,
         depth_error_share: Option<f64>,
         lateral_error_px: Option<f64>,
@@ -71,10 +74,13 @@ impl PyDepthView {
         };
         let dropped = array.dropped([sensor.nearest_m, sensor.farthest_m]);
         let depth = DepthImage::new(array.width, array.height, array.depths_m).map_err(fault)?;
+        let configuration = q.map(configuration_of).transpose()?;
         let view = View::new(name, camera.map_err(fault)?, depth, sensor).map_err(fault)?;
+        let view = view.at_configuration(configuration);
         let keywords = PyDict::new(py);
         keywords.set_item("name", name)?;
         keywords.set_item("scale", scale)?;
+        keywords.set_item("q", q.map(copied).transpose()?)?;
         for (key, value) in [
             ("depth_error_m", depth_error_m),
             ("depth_error_share", depth_error_share),
@@ -99,9 +105,10 @@ impl PyDepthView {
         let views = py.detach(|| Views::read(&path)).map_err(fault)?.views;
         let class = py.get_type::<Self>();
         let made = |StoredView { view, .. }: StoredView| -> PyResult<Bound<'py, Self>> {
-            let View { name, camera, depth, sensor } = view;
+            let View { name, camera, depth, sensor, configuration } = view;
             let keywords = PyDict::new(py);
             keywords.set_item("name", name)?;
+            keywords.set_item("q", configuration)?;
             for (key, value) in [
                 ("depth_error_m", sensor.depth_error_m),
                 ("depth_error_share", sensor.depth_error_share),
@@ -153,6 +160,22 @@ impl PyDepthView {
         matrices(py, std::iter::once(self.view.camera.world_from_camera))?.get_item(0)
     }
 
+    /// Configuration of the robot in the image, (D,); None: that at the start of the motion.
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
+        let q = self.view.configuration.as_ref();
+        q.map(|q| shaped(py, q.clone(), &[q.len()])).transpose()
+    }
+
+    /// Returns the same view with the robot at `q` in the image (None: at the start of the motion).
+    #[pyo3(signature = (q))]
+    fn with_q<'py>(slf: &Bound<'py, Self>, q: Option<&Bound<'py, PyAny>>) -> PyResult<Self> {
+        let own = slf.get();
+        let view = own.view.clone().at_configuration(q.map(configuration_of).transpose()?);
+        let made = Made::by_method(slf, ("with_q", q.map(copied).transpose()?), None)?;
+        Ok(Self { view, dropped: own.dropped, made })
+    }
+
     /// Number of pixels with a valid depth in the range of the sensor.
     #[getter]
     fn valid(&self) -> usize {
@@ -179,6 +202,15 @@ impl PyDepthView {
     fn __repr__(&self) -> String {
         let Camera { width_px, height_px, .. } = self.view.camera;
         format!("<cranny.DepthView '{}': {width_px} × {height_px}, {} valid>", self.view.name, self.valid())
+    }
+}
+
+/// Reads a configuration, (D,).
+fn configuration_of(value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let numbers = Numbers::read(value, "q")?;
+    match numbers.shape() {
+        [_] => Ok(numbers.finite()?.to_vec()),
+        _ => Err(numbers.wrong_shape("one value per joint, (D,),")),
     }
 }
 

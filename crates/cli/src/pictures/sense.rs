@@ -206,6 +206,8 @@ fn rendered(
     let mut views = Vec::new();
     for (index, placed) in cameras.iter().enumerate() {
         let camera = placed.at(&scenario.robot, &scenario.start)?;
+        let moved = placed.configuration.as_ref().map(|q| scenario.sensed_at(q)).transpose()?;
+        let scene = moved.as_ref().unwrap_or(scene);
         let noise = Noise {
             factor: if arguments.noise_seed.is_some() { arguments.noise_factor.unwrap_or(1.0) } else { 0.0 },
             dropout_share: arguments.dropouts.unwrap_or(0.0),
@@ -213,6 +215,7 @@ fn rendered(
             ..Noise::default()
         };
         let view = scene.view(&placed.name, &camera, &placed.sensor, &noise)?;
+        let view = view.at_configuration(placed.configuration.clone());
         views.push(StoredView { view, segments: Some(scene.render(&camera).segments) });
     }
     Ok(Views { views, segments: scene.segments().to_vec() })

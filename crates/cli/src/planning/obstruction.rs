@@ -124,6 +124,7 @@ impl Obstruction {
             frame: CameraFrame::World,
             camera: camera.map_err(ExploreError::from)?,
             sensor: space.sensors.first().copied().unwrap_or_else(SensorModel::default),
+            configuration: None,
         };
         let next = next_fixed_view(scenario, &blockage, &camera, &[], &mut |_| true)?;
         Ok(Some(Self::new(&blockage, next.as_ref(), problem.robot())))

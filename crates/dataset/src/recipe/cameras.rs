@@ -44,7 +44,7 @@ impl DatasetCameras {
     /// As [`CameraFile::read`].
     pub(crate) fn read(path: &Path) -> Result<Self, SenseError> {
         let of = |placed: &PlacedCamera| {
-            let PlacedCamera { name, frame, camera, sensor } = placed;
+            let PlacedCamera { name, frame, camera, sensor, .. } = placed;
             DatasetCamera {
                 name: name.clone(),
                 link: match frame {
@@ -57,7 +57,15 @@ impl DatasetCameras {
                 pose: pose_numbers(&camera.world_from_camera),
             }
         };
-        Ok(Self::Placed(CameraFile::read(path)?.cameras.iter().map(of).collect()))
+        let cameras = CameraFile::read(path)?.cameras;
+        if let Some(moved) = cameras.iter().find(|camera| camera.configuration.is_some()) {
+            let problem = format!(
+                "camera '{}': data sets show the robot at its start, without `configuration`",
+                moved.name
+            );
+            return Err(SenseError::Content { path: path.to_owned(), problem });
+        }
+        Ok(Self::Placed(cameras.iter().map(of).collect()))
     }
 
     /// Returns the cameras in a scenario.
@@ -102,6 +110,7 @@ impl DatasetCamera {
             },
             // Pictures have no errors.
             sensor: SensorModel { nearest_m, farthest_m, ..SensorModel::default() },
+            configuration: None,
         }
     }
 }

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use cranny_collision::Body;
-use cranny_sense::{KnownBody, SeenMap, SeenSettings, SensorModel, Unseen, View};
+use cranny_sense::{KnownBody, SeenMap, SeenSettings, SenseError, SensorModel, Unseen, View};
 use cranny_shape::{Aabb, Solid};
 use cranny_spatial::{Point, Pose, Vector};
 
@@ -21,11 +21,11 @@ const FINE_M: f64 = 0.08;
 const AROUND_M: f64 = 0.5;
 
 impl Scenario {
-    /// Returns the scenario with a map of the space that these views show as further obstacles: `occupied` and `unseen`. The robot at
-    /// its start and the bodies of the scenario, which are known, are cut out; of clouds this cannot be done.
+    /// Returns the scenario with a map of the space that these views show as further obstacles: `occupied` and `unseen`. The robot, in
+    /// each view at its configuration, and the bodies of the scenario, which are known, are cut out; of clouds this cannot be done.
     ///
     /// # Errors
-    /// [`ScenarioError::Sense`] for options out of range or a body that cannot be rendered, [`ScenarioError::BodyName`] if the scenario
+    /// [`ScenarioError::Sense`] for options out of range, a configuration of another robot or a body that cannot be rendered, [`ScenarioError::BodyName`] if the scenario
     /// has a body of one of these names.
     pub fn with_seen(&self, views: &[View], options: &SeenOptions) -> Result<Self, ScenarioError> {
         for (property, value) in [
@@ -37,13 +37,6 @@ impl Scenario {
                 return Err(ScenarioError::SeenOption { property, value });
             }
         }
-        let frames = self.robot.frames_at(&self.start);
-        let links = self.robot.links().iter().enumerate().flat_map(|(index, link)| {
-            let world_from_link = *frames.link(index);
-            link.collisions
-                .iter()
-                .map(move |shape| (world_from_link * shape.link_from_shape, shape.solid.clone()))
-        });
         let known = |name: &str, solids: Vec<(Pose, Solid)>, tolerance_m: f64, reach_m: f64| KnownBody {
             name: name.to_owned(),
             solids,
@@ -52,8 +45,11 @@ impl Scenario {
             is_transparent: false,
             is_alone: false,
         };
-        let robot = known(ROBOT, links.collect(), ROBOT_TOLERANCE_M, options.robot_reach_m);
-        let mut bodies = vec![KnownBody { is_alone: true, ..robot }];
+        let robot_at = |q: &[f64]| {
+            let robot = known(ROBOT, self.solids_of_robot(q), ROBOT_TOLERANCE_M, options.robot_reach_m);
+            KnownBody { is_alone: true, ..robot }
+        };
+        let mut bodies = vec![robot_at(&self.start)];
         let mut around_target = Vec::new();
         for (index, body) in self.world.bodies().iter().enumerate() {
             let has_inside = |solid: &Solid| !solid.is_half_space() && solid.as_union().is_none();
@@ -76,13 +72,35 @@ impl Scenario {
         let fine = around_target.iter().map(|aabb| aabb.grown(FINE_M)).collect();
         let SeenOptions { cell_m, fine_m, unseen, .. } = *options;
         let settings = SeenSettings { region, fine, cell_m, fine_m, unseen };
-        let map = SeenMap::new(views, &bodies, settings)?;
+        let shown = |view: &View| {
+            let elsewhere = view.configuration.as_ref().filter(|q| **q != self.start);
+            let Some(q) = elsewhere else { return Ok(None) };
+            if q.len() == self.robot.dof() {
+                return Ok(Some([&[robot_at(q)], &bodies[1..]].concat()));
+            }
+            let (view, actual, expected) = (view.name.clone(), q.len(), self.robot.dof());
+            Err(SenseError::Configuration { view, actual, expected })
+        };
+        let shown = views.iter().map(shown).collect::<Result<Vec<_>, _>>()?;
+        let map = SeenMap::of_moving(views, &bodies, &shown, settings)?;
         let mut seen = self.clone();
         for body in map.bodies()? {
             seen = seen.with_body(body)?;
         }
         let sensors = views.iter().map(|view| view.sensor).collect();
         Ok(Self { seen: Some(SeenSpace { map: Arc::new(map), sensors, options: options.clone() }), ..seen })
+    }
+
+    /// Returns the solids of the robot's links at `q` (m, rad; one value per joint), with their poses in the planning frame.
+    fn solids_of_robot(&self, q: &[f64]) -> Vec<(Pose, Solid)> {
+        let frames = self.robot.frames_at(q);
+        let links = self.robot.links().iter().enumerate();
+        let solids = links.flat_map(|(index, link)| {
+            let world_from_link = *frames.link(index);
+            let shapes = link.collisions.iter();
+            shapes.map(move |shape| (world_from_link * shape.link_from_shape, shape.solid.clone()))
+        });
+        solids.collect()
     }
 
     /// Returns a sentence on the views that the obstacles come from, the bounds of their errors and what they do not show; `None` if the

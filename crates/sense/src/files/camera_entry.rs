@@ -35,6 +35,8 @@ pub(crate) struct CameraEntry {
     quaternion_xyzw: Option<[f64; 4]>,
     /// Frame of the pose: `world`, or `link NAME` for a camera on a link of the robot. Default: `world`.
     frame: Option<Spanned<String>>,
+    /// Configuration of the robot in the image (m, rad), one value per joint. Default: its start.
+    configuration: Option<Spanned<Vec<f64>>>,
     /// Bounds of the sensor that differ from those of the file.
     sensor: Option<SensorEntry>,
     /// Files of the depths and of the segments, in a file of views.
@@ -194,6 +196,15 @@ impl CameraEntry {
                 .ok_or_else(|| source.fault(frame, "the frame of a camera is `world` or `link NAME`"))?,
         };
         Ok((camera, frame, sensor))
+    }
+
+    /// Returns the configuration of the robot in the image (m, rad; one value per joint); `None`: its start.
+    pub fn configuration(&self, source: &Source) -> Result<Option<Vec<f64>>, SenseError> {
+        let Some(own) = &self.configuration else { return Ok(None) };
+        if own.value.iter().all(|value| value.is_finite()) {
+            return Ok(Some(own.value.clone()));
+        }
+        Err(source.fault(own, "a configuration has only finite numbers"))
     }
 
     fn pose(&self) -> Result<Pose, String> {

@@ -27,6 +27,8 @@ pub struct PlacedCamera {
     pub camera: Camera,
     /// Bounds of all errors.
     pub sensor: SensorModel,
+    /// Configuration of the robot in its images (m, rad; one value per joint); `None`: its start.
+    pub configuration: Option<Vec<f64>>,
 }
 
 /// Content of a camera file.
@@ -57,7 +59,8 @@ impl CameraFile {
                 return Err(source.fault(depth, problem));
             }
             let (camera, frame, sensor) = CameraEntry::camera(entry, &source, of_file)?;
-            Ok(PlacedCamera { name: own.name.value.clone(), frame, camera, sensor })
+            let configuration = own.configuration(&source)?;
+            Ok(PlacedCamera { name: own.name.value.clone(), frame, camera, sensor, configuration })
         };
         let cameras = file.cameras.iter().map(camera).collect::<Result<Vec<_>, _>>()?;
         if cameras.is_empty() {
@@ -68,14 +71,21 @@ impl CameraFile {
 }
 
 impl PlacedCamera {
-    /// Returns the camera with its pose in the planning frame, for the robot at `q` (m, rad; one per joint).
+    /// Returns the camera with its pose in the planning frame, for the robot at its own configuration, or at `q` (m, rad; one per
+    /// joint) if it has none.
     ///
     /// # Errors
-    /// [`SenseError::UnknownLink`] for a link that the robot does not have.
+    /// [`SenseError::UnknownLink`] for a link that the robot does not have, [`SenseError::Configuration`] for a configuration of
+    /// another robot.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn at(&self, robot: &Robot, q: &[f64]) -> Result<Camera, SenseError> {
+        let q = self.configuration.as_deref().unwrap_or(q);
+        if let Some(own) = self.configuration.as_ref().filter(|own| own.len() != robot.dof()) {
+            let (view, actual, expected) = (self.name.clone(), own.len(), robot.dof());
+            return Err(SenseError::Configuration { view, actual, expected });
+        }
         let CameraFrame::Link(name) = &self.frame else { return Ok(self.camera.clone()) };
         let links = || robot.links().iter().map(|link| link.name.as_str());
         let link = robot.link_index(name).ok_or_else(|| SenseError::UnknownLink {

@@ -116,7 +116,8 @@ impl Views {
                 }
                 None => None,
             };
-            Ok(StoredView { view: View::new(own.name.value.clone(), camera, depth, sensor)?, segments })
+            let view = View::new(own.name.value.clone(), camera, depth, sensor)?;
+            Ok(StoredView { view: view.at_configuration(own.configuration(&source)?), segments })
         };
         let views = file.views.iter().map(view).collect::<Result<Vec<_>, _>>()?;
         Ok(Self { views, segments: file.segments })
@@ -156,7 +157,7 @@ impl Views {
 
 /// Returns the entry of a view, without its files.
 fn entry_text(view: &View, format: DepthFormat) -> String {
-    let View { name, camera, sensor, .. } = view;
+    let View { name, camera, sensor, configuration, .. } = view;
     let Pose { translation, rotation } = &camera.world_from_camera;
     let list = |values: &[f64]| {
         let values: Vec<String> = values.iter().map(f64::to_string).collect();
@@ -171,6 +172,9 @@ fn entry_text(view: &View, format: DepthFormat) -> String {
         ("quaternion_xyzw", list(rotation.coords.as_slice())),
     ] {
         let _ = writeln!(text, "    {key}: {value}");
+    }
+    if let Some(configuration) = configuration {
+        let _ = writeln!(text, "    configuration: {}", list(configuration));
     }
     text.push_str("    sensor:\n");
     for (key, value) in [

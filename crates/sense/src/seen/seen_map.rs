@@ -71,12 +71,26 @@ impl SeenMap {
         [Self::OCCUPIED, Self::UNSEEN].contains(&name)
     }
 
-    /// Maps a region as these views show it.
+    /// Maps a region as these views show it, with the known bodies where they are in all of them.
+    ///
+    /// # Errors
+    /// As [`Self::of_moving`].
+    pub fn new(views: &[View], known: &[KnownBody], settings: SeenSettings) -> Result<Self, SenseError> {
+        Self::of_moving(views, known, &[], settings)
+    }
+
+    /// Maps a region as these views show it. `known` are the known bodies where they are when the motion begins, `shown` for each
+    /// view (or for none) all of them where they were in it, if that is elsewhere.
     ///
     /// # Errors
     /// [`SenseError::NoViews`] without views, [`SenseError::Map`] for a region or cell out of range, [`SenseError::NoSurface`] for a
     /// known body that cannot be rendered.
-    pub fn new(views: &[View], known: &[KnownBody], settings: SeenSettings) -> Result<Self, SenseError> {
+    pub fn of_moving(
+        views: &[View],
+        known: &[KnownBody],
+        shown: &[Option<Vec<KnownBody>>],
+        settings: SeenSettings,
+    ) -> Result<Self, SenseError> {
         if views.is_empty() {
             return Err(SenseError::NoViews);
         }
@@ -84,8 +98,13 @@ impl SeenMap {
         let SeenSettings { region, cell_m, fine, fine_m, .. } = &settings;
         let has_fine = !fine.is_empty();
         let scene = KnownScene::new(known)?;
-        let sight = |view: &View| Sight::new(view, &Explained::of(view, &scene), has_fine);
-        let sights: Vec<Sight> = views.par_iter().map(sight).collect();
+        let moved = shown.iter().map(|bodies| bodies.as_deref().map(KnownScene::new).transpose());
+        let elsewhere = moved.collect::<Result<Vec<_>, _>>()?;
+        let sight = |(index, view): (usize, &View)| {
+            let scene = elsewhere.get(index).and_then(Option::as_ref).unwrap_or(&scene);
+            Sight::new(view, &Explained::of(view, scene), has_fine)
+        };
+        let sights: Vec<Sight> = views.par_iter().enumerate().map(sight).collect();
         let survey = Survey {
             sights,
             known: KnownSolids::new(known),
