@@ -13,7 +13,7 @@ use crate::figures::Figures;
 use crate::folder::{Chunk, DatasetFolder};
 use crate::generate::NO_SCENE;
 use crate::pictures::{Picture, pictures};
-use crate::prepared_scene::stages_of;
+use crate::prepared_scene::{asked, stages_of};
 use crate::scene_row::SceneRow;
 use crate::scene_source::{SceneSource, problem_of, target_name};
 use crate::{DatasetError, DemonstrationTask};
@@ -49,8 +49,10 @@ pub struct RowFault {
     pub problem: String,
 }
 
-/// Proves the paths of rows again, like those of any other origin, and compares all their figures, to the bit. `done` is called
-/// with the number of rows after each scene, from any thread.
+/// Proves the paths of rows again, like those of any other origin, and compares their figures, to the bit: task, seed, grasp, times,
+/// length, clearance, load, and the pictures and geometry of their scenes. What would need the search again is not compared: the
+/// outcome and reason of a row without a path, the factor of its hold beyond what the recipe demands, and the results at grasps.
+/// `done` is called with the number of rows after each scene, from any thread.
 ///
 /// # Errors
 /// Damaged files. A false row is a [`RowFault`].
@@ -94,12 +96,7 @@ fn chosen_rows(
     folder: &DatasetFolder,
     rows: CheckedRows,
 ) -> Result<BTreeMap<u64, Option<BTreeSet<u64>>>, DatasetError> {
-    let mut there = Vec::new();
-    for chunk in folder.chunks() {
-        if folder.has(chunk)? {
-            there.push(chunk);
-        }
-    }
+    let there = folder.complete_chunks()?;
     if there.is_empty() {
         let problem = "the data set has no complete chunk yet".to_owned();
         return Err(DatasetError::Content { path: folder.path().to_owned(), problem });
@@ -165,6 +162,16 @@ fn check_scene(
         carrier: None,
     };
     for row in rows {
+        let (task, seed, _) = asked(source.recipe(), row.row);
+        if row.task != task.name() || row.seed != seed {
+            let (task, stated) = (task.name(), &row.task);
+            let problem = format!(
+                "states task {stated} and seed {}, but the recipe demands {task} and {seed}",
+                row.seed
+            );
+            report.faults.push(fault(row, problem));
+            continue;
+        }
         match proof.fault_of(row)? {
             Some(problem) => report.faults.push(fault(row, problem)),
             None => report.proven += u64::from(row.is_solved()),

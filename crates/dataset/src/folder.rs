@@ -36,10 +36,27 @@ pub struct DatasetDescription {
 impl DatasetDescription {
     /// Format that this program reads and writes.
     pub const FORMAT: &str = "cranny-dataset/1";
+
+    /// Returns a sentence on the first number that is out of its range.
+    fn fault(&self) -> Option<String> {
+        let size = self.scenes_per_chunk;
+        if !(1..=MOST_SCENES_PER_CHUNK).contains(&size) {
+            return Some(format!(
+                "`scenes_per_chunk` is {size}, but must be from 1 to {MOST_SCENES_PER_CHUNK}"
+            ));
+        }
+        match self.shard {
+            Some(shard) if !shard.is_valid() => Some(format!("there is no shard {shard}")),
+            _ => self.recipe.fault(),
+        }
+    }
 }
 
 /// Number of scenes of a chunk: it is the unit of work, and of what a kill loses.
 pub(crate) const SCENES_PER_CHUNK: u64 = 64;
+
+/// Maximum number of scenes of a chunk of another version.
+const MOST_SCENES_PER_CHUNK: u64 = 1 << 20;
 
 /// Names of the files.
 const DESCRIPTION: &str = "dataset.json";
@@ -82,8 +99,8 @@ impl DatasetFolder {
                 "the data set has the format '{found}', but this version reads '{known}'"
             )));
         }
-        if description.scenes_per_chunk == 0 || description.recipe.queries_per_scene == 0 {
-            return Err(fault("a chunk without scenes, or a scene without queries".to_owned()));
+        if let Some(problem) = description.fault() {
+            return Err(fault(problem));
         }
         Ok(Self { path: path.to_owned(), description })
     }
@@ -162,6 +179,29 @@ impl DatasetFolder {
         let all = self.recipe().scenes().div_ceil(self.description.scenes_per_chunk);
         let shard = self.description.shard.unwrap_or(DatasetShard::WHOLE);
         (0..all).filter(move |chunk| shard.has(*chunk))
+    }
+
+    /// Returns the complete chunks of the folder, by its files: a description may state far more.
+    ///
+    /// # Errors
+    /// [`DatasetError::Unreadable`].
+    pub(crate) fn complete_chunks(&self) -> Result<Vec<u64>, DatasetError> {
+        let folder = self.path.join(SCENES);
+        let failed = |reason| unreadable(&folder, reason);
+        let all = self.recipe().scenes().div_ceil(self.description.scenes_per_chunk);
+        let shard = self.description.shard.unwrap_or(DatasetShard::WHOLE);
+        let mut chunks = Vec::new();
+        for entry in std::fs::read_dir(&folder).map_err(failed)? {
+            let name = entry.map_err(failed)?.file_name();
+            let number = name.to_str().and_then(|name| name.strip_suffix(".parquet")?.parse().ok());
+            if let Some(chunk) = number.filter(|chunk| *chunk < all && shard.has(*chunk))
+                && self.has(chunk)?
+            {
+                chunks.push(chunk);
+            }
+        }
+        chunks.sort_unstable();
+        Ok(chunks)
     }
 
     /// Returns the scenes of a chunk.

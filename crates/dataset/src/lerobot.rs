@@ -80,10 +80,7 @@ pub fn export_lerobot(
         report: LeRobotReport::default(),
         file: 0,
     };
-    for chunk in folder.chunks() {
-        if !folder.has(chunk)? {
-            continue;
-        }
+    for chunk in folder.complete_chunks()? {
         let Chunk { scenes, demonstrations } = folder.read(chunk)?;
         let scenes: BTreeMap<u64, &SceneRow> = scenes.iter().map(|scene| (scene.scene, scene)).collect();
         for row in demonstrations.iter().filter(|row| row.is_solved()) {

@@ -148,11 +148,9 @@ impl<'a> PreparedScene<'a> {
 
     /// Answers the query of a row.
     pub fn answer(&mut self, row: u64) -> Result<Demonstration, DatasetError> {
-        let mut random = Stream::new(other_seed(self.of.seed, STREAM_OF_ROWS), row);
-        let task = drawn_task(self.of, &mut random);
+        let (task, seed, mut random) = asked(self.of, row);
         let is_first = row.is_multiple_of(self.of.queries_per_scene);
         let start = if is_first { self.problem.start().to_vec() } else { self.drawn_start(&mut random) };
-        let seed = other_seed(other_seed(self.of.seed, STREAM_OF_ROWS + 2), row);
         let problem = self.problem.with_start(&start)?;
         let mut demonstration = Demonstration {
             row,
@@ -310,6 +308,13 @@ fn searched(
     seed: u64,
 ) -> Result<PlanReport, DatasetError> {
     Ok(search(planner, problem, &budget(iterations), seed, &mut Unobserved)?)
+}
+
+/// Returns the task of a row, the seed of its search, and the stream of its other random numbers.
+pub(crate) fn asked(recipe: &DatasetRecipe, row: u64) -> (DemonstrationTask, u64, Stream) {
+    let mut random = Stream::new(other_seed(recipe.seed, STREAM_OF_ROWS), row);
+    let task = drawn_task(recipe, &mut random);
+    (task, other_seed(other_seed(recipe.seed, STREAM_OF_ROWS + 2), row), random)
 }
 
 fn drawn_task(recipe: &DatasetRecipe, random: &mut Stream) -> DemonstrationTask {

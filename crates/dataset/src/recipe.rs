@@ -6,6 +6,7 @@ use std::path::Path;
 
 use cranny_collision::Margins;
 use cranny_scenario::{BUILTIN_ROBOTS, Family, RecipeRobot, SetSettings};
+use cranny_solve::MOST_HOLD;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -13,6 +14,9 @@ use strum::{IntoStaticStr, VariantArray};
 
 use crate::DatasetError;
 use crate::recipe::cameras::DatasetCameras;
+use crate::recipe::recipe_file::{
+    MOST_CHANGES, MOST_CLUTTER, MOST_ITERATIONS, MOST_MARGIN_M, MOST_QUERIES, MOST_RATE_HZ, MOST_ROWS,
+};
 
 /// Recipe of a data set: with the version of Cranny it determines every byte of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -148,6 +152,39 @@ impl DatasetRecipe {
     /// Number of scenes.
     pub fn scenes(&self) -> u64 {
         self.count.div_ceil(self.queries_per_scene.max(1))
+    }
+
+    /// Returns a sentence on the first value that no recipe file may state.
+    pub(crate) fn fault(&self) -> Option<String> {
+        for (key, value, most) in [
+            ("count", self.count, MOST_ROWS),
+            ("queries_per_scene", self.queries_per_scene, MOST_QUERIES),
+            ("iterations", self.iterations, MOST_ITERATIONS),
+            ("changes", self.changes as u64 + 1, MOST_CHANGES + 1),
+            ("clutter", self.clutter as u64 + 1, MOST_CLUTTER + 1),
+        ] {
+            if !(1..=most).contains(&value) {
+                return Some(format!("`{key}` is out of its range"));
+            }
+        }
+        for (key, value, [least, most]) in [
+            ("margin_m", self.margin_m, [0.0, MOST_MARGIN_M]),
+            ("grasp_margin_m", self.grasp_margin_m, [0.0, MOST_MARGIN_M]),
+            ("hold", self.hold.unwrap_or(0.0), [0.0, MOST_HOLD]),
+            ("rate_hz", self.rate_hz, [1.0, MOST_RATE_HZ]),
+            ("start_spread", self.start_spread, [0.0, 1.0]),
+        ] {
+            if !(least..=most).contains(&value) {
+                return Some(format!("`{key}` is {value}, but must be from {least} to {most}"));
+            }
+        }
+        if self.families.is_empty() || self.robots.is_empty() || self.tasks.is_empty() {
+            return Some("`families`, `robots` and `tasks` must not be empty".to_owned());
+        }
+        if self.tasks.values().any(|weight| !(*weight >= 0.0 && weight.is_finite())) {
+            return Some("the weights of `tasks` must not be negative".to_owned());
+        }
+        self.cameras.as_ref().and_then(DatasetCameras::fault)
     }
 
     /// Required clearances.

@@ -20,6 +20,11 @@ impl DatasetShard {
     /// The only shard of a data set that is made as a whole.
     pub const WHOLE: Self = Self { index: 1, of: 1 };
 
+    /// Returns true if there is such a shard.
+    pub(crate) fn is_valid(self) -> bool {
+        (1..=MOST_SHARDS).contains(&self.of) && (1..=self.of).contains(&self.index)
+    }
+
     /// Returns true if a chunk of this index belongs to this shard: chunks are dealt out in turn.
     pub fn has(self, chunk: u64) -> bool {
         chunk % self.of == self.index - 1
@@ -33,8 +38,7 @@ impl FromStr for DatasetShard {
     fn from_str(text: &str) -> Result<Self, String> {
         let parts =
             text.split_once('/').and_then(|(index, of)| Some((index.parse().ok()?, of.parse().ok()?)));
-        let fits = |(index, of): &(u64, u64)| (1..=MOST_SHARDS).contains(of) && (1..=*of).contains(index);
-        parts.filter(fits).map(|(index, of)| Self { index, of }).ok_or_else(|| {
+        parts.map(|(index, of)| Self { index, of }).filter(|shard| shard.is_valid()).ok_or_else(|| {
             format!("expected a shard and the number of shards, from 1/1 to {MOST_SHARDS}/{MOST_SHARDS}, such as 3/8")
         })
     }

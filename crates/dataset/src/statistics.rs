@@ -78,23 +78,20 @@ impl DatasetStatistics {
     /// As [`DatasetFolder::read`].
     pub fn of(folder: &DatasetFolder, done: &mut dyn FnMut()) -> Result<Self, DatasetError> {
         let mut statistics = Self::default();
-        for chunk in folder.chunks() {
-            if folder.has(chunk)? {
-                statistics.add(folder, &folder.read(chunk)?);
-                let size = |file: &PathBuf| {
-                    let found = std::fs::metadata(file);
-                    let found =
-                        found.map_err(|reason| DatasetError::Unreadable { path: file.clone(), reason });
-                    Ok::<u64, DatasetError>(found?.len())
-                };
-                for file in folder.files(chunk) {
-                    statistics.bytes += size(&file)?;
-                }
-                if let Some(file) = folder.pictures_file(chunk) {
-                    statistics.picture_bytes += size(&file)?;
-                }
-                done();
+        for chunk in folder.complete_chunks()? {
+            statistics.add(folder, &folder.read(chunk)?);
+            let size = |file: &PathBuf| {
+                let found = std::fs::metadata(file);
+                let found = found.map_err(|reason| DatasetError::Unreadable { path: file.clone(), reason });
+                Ok::<u64, DatasetError>(found?.len())
+            };
+            for file in folder.files(chunk) {
+                statistics.bytes += size(&file)?;
             }
+            if let Some(file) = folder.pictures_file(chunk) {
+                statistics.picture_bytes += size(&file)?;
+            }
+            done();
         }
         Ok(statistics)
     }

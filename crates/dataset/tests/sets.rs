@@ -191,6 +191,40 @@ fn all_rows_are_true_and_a_changed_one_is_found() {
     assert!(fault.contains("000000.parquet: the file is damaged"), "{fault}");
 }
 
+/// A description with numbers that no recipe may state; none of them is believed.
+#[test]
+fn a_false_description_is_refused() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("set");
+    made(&DatasetRecipe { count: 3, ..recipe() }, None, &folder);
+    let description = folder.join("dataset.json");
+    let sound_text = fs::read_to_string(&description).unwrap();
+    let number = |key: &str, value: &str| {
+        let at = sound_text.find(&format!("\"{key}\": ")).expect("the key") + key.len() + 4;
+        let end = at + sound_text[at..].find([',', '\n']).expect("its end");
+        format!("{}{value}{}", &sound_text[..at], &sound_text[end..])
+    };
+    let shard = |shard: &str| sound_text.replacen('{', &format!("{{\"shard\": {shard},"), 1);
+    for (text, expected) in [
+        (number("count", "0"), "`count`"),
+        (number("count", "1000000000000000000"), "`count`"),
+        (number("queries_per_scene", "0"), "`queries_per_scene`"),
+        (number("scenes_per_chunk", "0"), "`scenes_per_chunk`"),
+        (number("rate_hz", "-1"), "`rate_hz`"),
+        (number("margin_m", "1e300"), "`margin_m`"),
+        (shard("{\"index\": 0, \"of\": 0}"), "no shard 0/0"),
+        (shard("{\"index\": 1, \"of\": 1000000000000000000}"), "no shard"),
+    ] {
+        fs::write(&description, text).unwrap();
+        let fault = DatasetFolder::open(&folder).unwrap_err().to_string();
+        assert!(fault.contains("dataset.json") && fault.contains(expected), "{fault}");
+    }
+    // A count that the files do not reach costs no time.
+    fs::write(&description, number("count", "1000000000000")).unwrap();
+    let claimed = DatasetFolder::open(&folder).unwrap();
+    assert!(check(&claimed, CheckedRows::Sample(3, 0), &|_| {}, &AtomicBool::new(false)).is_err());
+}
+
 #[test]
 fn pictures_and_reasons_change_no_row_and_a_false_picture_is_found() {
     let place = tempfile::tempdir().unwrap();

@@ -6,6 +6,7 @@ use cranny_spatial::nalgebra::Quaternion;
 use cranny_spatial::{Pose, Rotation, Vector};
 use serde::{Deserialize, Serialize};
 
+use crate::recipe::recipe_file::MOST_CAMERAS;
 use crate::scene_row::pose_numbers;
 
 /// Cameras of the pictures of a data set.
@@ -66,6 +67,21 @@ impl DatasetCameras {
             return Err(SenseError::Content { path: path.to_owned(), problem });
         }
         Ok(Self::Placed(cameras.iter().map(of).collect()))
+    }
+
+    /// Returns a sentence on the first camera that no file of cameras may state.
+    pub(crate) fn fault(&self) -> Option<String> {
+        match self {
+            Self::Default(count) => {
+                let is_valid = (1..=MOST_CAMERAS).contains(&(*count as u64));
+                (!is_valid).then(|| format!("the number of cameras must be from 1 to {MOST_CAMERAS}"))
+            }
+            Self::Placed(cameras) => cameras.iter().find_map(|own| {
+                let PlacedCamera { name, camera, sensor, .. } = own.placed();
+                let fault = camera.check().and_then(|()| sensor.check()).err()?;
+                Some(format!("camera '{name}': {fault}"))
+            }),
+        }
     }
 
     /// Returns the cameras in a scenario.

@@ -119,19 +119,19 @@ pub fn recipe_schema() -> String {
 }
 
 /// Greatest number of rows: beyond it, indices of rows would no longer fit every reader.
-const MOST_ROWS: u64 = 1 << 40;
+pub(super) const MOST_ROWS: u64 = 1 << 40;
 /// Greatest number of queries of a scene, and of clutter objects.
-const MOST_QUERIES: u64 = 10_000;
-const MOST_CLUTTER: u64 = 50;
+pub(super) const MOST_QUERIES: u64 = 10_000;
+pub(super) const MOST_CLUTTER: u64 = 50;
 /// Greatest rate of trajectories, in Hz.
-const MOST_RATE_HZ: f64 = 1000.0;
+pub(super) const MOST_RATE_HZ: f64 = 1000.0;
 /// Greatest clearance that a recipe may require, in metres: more than the width of any passage.
-const MOST_MARGIN_M: f64 = 1.0;
+pub(super) const MOST_MARGIN_M: f64 = 1.0;
 /// Greatest limits of iterations and changes of one query.
-const MOST_ITERATIONS: u64 = 10_000_000;
-const MOST_CHANGES: u64 = 100_000;
+pub(super) const MOST_ITERATIONS: u64 = 10_000_000;
+pub(super) const MOST_CHANGES: u64 = 100_000;
 /// Greatest number of default cameras.
-const MOST_CAMERAS: u64 = 8;
+pub(super) const MOST_CAMERAS: u64 = 8;
 
 /// A fault and its place in the file.
 type Fault = (Location, String);

@@ -23,7 +23,7 @@ pub(crate) struct SeenEntry {
     pub fine_m: Option<f64>,
     /// Region that is mapped; all other space is unseen. Default: 0.5 m around the robot at its start and the target.
     pub region: Option<RegionEntry>,
-    /// Distance from the robot at its start within which unseen space counts as free (m). Default: 0.06.
+    /// Distance from the robot at its start within which unseen space counts as free (m). Default: 0.1.
     pub robot_reach_m: Option<f64>,
     /// The same above the floor, also where no camera sees it. Default: 0.
     pub floor_reach_m: Option<f64>,

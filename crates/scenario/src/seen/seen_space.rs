@@ -42,7 +42,7 @@ impl Default for SeenOptions {
             cell_m: 0.02,
             fine_m: 0.005,
             region: None,
-            robot_reach_m: 0.06,
+            robot_reach_m: 0.1,
             floor_reach_m: 0.0,
             tolerance_m: 0.002,
         }

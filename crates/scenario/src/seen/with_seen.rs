@@ -17,6 +17,10 @@ const ROBOT: &str = "robot";
 /// Space around the target in which cells are half as wide, for the hand, in metres.
 const FINE_M: f64 = 0.08;
 
+/// Side of the smallest cells on known bodies beside the target, in metres: without them, it would be stuck in cells that no camera sees
+/// into.
+const BORDER_M: f64 = 0.0025;
+
 /// Space around robot and target that is mapped by default, in metres.
 const AROUND_M: f64 = 0.5;
 
@@ -42,6 +46,7 @@ impl Scenario {
             solids,
             tolerance_m,
             reach_m,
+            border_m: None,
             is_transparent: false,
             is_alone: false,
         };
@@ -64,14 +69,14 @@ impl Scenario {
                     around_target = boxes.collect();
                 }
                 let body = known(&body.name, solids, options.tolerance_m, options.tolerance_m);
-                bodies.push(KnownBody { is_transparent: true, ..body });
+                bodies.push(KnownBody { is_transparent: true, border_m: Some(BORDER_M), ..body });
             }
         }
         let of_robot = bodies[0].solids.iter().map(|(pose, solid)| solid.aabb().transformed(pose));
         let region = options.region.unwrap_or_else(|| around(of_robot.chain(around_target.iter().copied())));
         let fine = around_target.iter().map(|aabb| aabb.grown(FINE_M)).collect();
         let SeenOptions { cell_m, fine_m, unseen, .. } = *options;
-        let settings = SeenSettings { region, fine, cell_m, fine_m, unseen };
+        let settings = SeenSettings { region, fine, cell_m, fine_m: fine_m.min(cell_m), unseen };
         let shown = |view: &View| {
             let elsewhere = view.configuration.as_ref().filter(|q| **q != self.start);
             let Some(q) = elsewhere else { return Ok(None) };
@@ -122,16 +127,29 @@ impl Scenario {
         };
         let stated = self.world.bodies().iter().enumerate().any(is_stated);
         let besides = if stated { "those of the scenario and " } else { "" };
-        let floor = if options.floor_reach_m > 0.0 {
-            format!(", and {} of the floor", millimetres(options.floor_reach_m))
-        } else {
+        let mut claimed = Vec::new();
+        // A cell that comes within reach has its farthest point a diagonal farther away.
+        let reach_m = options.tolerance_m + 3_f64.sqrt() * BORDER_M;
+        if self.target.is_some() {
+            claimed.push(format!("{} of the target", millimetres(reach_m)));
+        }
+        if stated {
+            claimed.push(format!("{} of an obstacle of the scenario", millimetres(reach_m)));
+        }
+        if options.floor_reach_m > 0.0 {
+            claimed.push(format!("{} of the floor", millimetres(options.floor_reach_m)));
+        }
+        let claimed = if claimed.is_empty() {
             String::new()
+        } else {
+            format!("; everything does within {}", claimed.join(", "))
         };
         Some(format!(
             "the obstacles are {besides}what {} show; {unseen}. Their errors are bounded by {} mm + {} % of the depth, {} pixels, and {} mm \
              and {}° of the camera's pose; things thinner than {detail} may be missed, beside the target {detail_beside}, and so may \
              things that rise less than {layer} above the surface of a known body, beside the target {layer_beside}. Within {} of the \
-             robot at its start{floor}, unseen space counts as free, and so does all that the robot touches there",
+             robot at its start, unseen space counts as free, and so does all in the cells, {} wide, that the robot touches \
+             there{claimed}",
             cranny_file::counted(sensors.len(), "view"),
             bound(greatest(|sensor| sensor.depth_error_m), 1e3, 1),
             bound(greatest(|sensor| sensor.depth_error_share), 1e2, 2),
@@ -139,6 +157,7 @@ impl Scenario {
             bound(greatest(|sensor| sensor.position_error_m), 1e3, 1),
             bound(greatest(|sensor| sensor.turn_error_rad), 1_f64.to_degrees(), 2),
             millimetres(options.robot_reach_m),
+            millimetres(options.cell_m),
         ))
     }
 }

@@ -1,5 +1,5 @@
 use cranny_shape::{Range, Solid, separation_in};
-use cranny_spatial::{Point, Pose, Rotation};
+use cranny_spatial::{FARTHEST_M, Point, Pose, Rotation};
 
 use crate::rendering::interval::Side;
 use crate::rendering::render::{Meeting, Rays};
@@ -15,8 +15,11 @@ pub struct KnownBody {
     pub solids: Vec<(Pose, Solid)>,
     /// Error of its place, in metres: a depth that fits the body within this error shows the body.
     pub tolerance_m: f64,
-    /// Distance from its surface within which space counts as free unless another surface is measured there, in metres.
+    /// Distance from its surface within which unseen space counts as free, in metres. At a transparent body, all does.
     pub reach_m: f64,
+    /// Side of the smallest cells at the end of its reach within the fine boxes, which count as free with it, in metres; `None`: they
+    /// do not.
+    pub border_m: Option<f64>,
     /// True if pixels that show it count as free to its back, those of a half-space without end: nothing else can be inside of it.
     pub is_transparent: bool,
     /// True if cells that it touches hold nothing else, whatever is measured there: the robot stands there.
@@ -32,14 +35,16 @@ struct KnownSolid {
     pose: Pose,
     solid: Solid,
     reach_m: f64,
+    border_m: Option<f64>,
+    is_transparent: bool,
     is_alone: bool,
 }
 
 /// Relation of a cube to the space around the known bodies.
 pub(crate) enum Nearness {
     Beyond,
-    /// Within reach of one of them, with all its points.
-    Within,
+    /// Within reach of one of them, with all its points; true if that one is transparent.
+    Within(bool),
     /// Undecided, with the solids that may be near.
     Partly(Vec<usize>),
 }
@@ -54,6 +59,8 @@ impl KnownSolids {
                 pose: *pose,
                 solid: solid.clone(),
                 reach_m: body.reach_m,
+                border_m: body.border_m,
+                is_transparent: body.is_transparent,
                 is_alone: body.is_alone,
             })
         });
@@ -70,7 +77,7 @@ impl KnownSolids {
         let diagonal_m = DIAGONAL * half_m;
         let mut near = Vec::new();
         for &index in among {
-            let KnownSolid { pose, solid, reach_m, .. } = &self.solids[index];
+            let KnownSolid { pose, solid, reach_m, is_transparent, .. } = &self.solids[index];
             let far_m = reach_m + diagonal_m;
             let ball = solid.ball();
             if (pose * ball.center - center).norm() - ball.radius_m > far_m
@@ -80,7 +87,7 @@ impl KnownSolids {
             }
             let distance_m = distance_m(center, solid, pose, far_m);
             if distance_m + diagonal_m <= *reach_m {
-                return Nearness::Within;
+                return Nearness::Within(*is_transparent);
             }
             if distance_m <= far_m {
                 near.push(index);
@@ -102,20 +109,33 @@ impl KnownSolids {
 
     /// Returns true if a cube touches a solid that is alone in the cells that it touches.
     pub fn touches_alone(&self, center: &Point, half_m: f64) -> bool {
-        let alone = |index: &usize| self.solids[*index].is_alone;
-        let alone: Vec<usize> = (0..self.solids.len()).filter(alone).collect();
-        self.is_within(center, DIAGONAL * half_m, &alone)
+        /// Rounding of boxes, of which a start must be clear, in metres.
+        const TOUCH_M: f64 = 1e-4;
+        let mut alone = self.solids.iter().filter(|solid| solid.is_alone);
+        alone.any(|solid| solid.is_within_of_cube(center, half_m, TOUCH_M))
     }
 
-    /// Returns true if a cube comes within reach of one of these solids.
-    pub fn reaches(&self, center: &Point, half_m: f64, among: &[usize]) -> bool {
+    /// Returns the least side (m) of cells at the end of the reach of one of these solids, if a cube comes within its reach.
+    pub fn border_m(&self, center: &Point, half_m: f64, among: &[usize]) -> Option<f64> {
+        let reached = among.iter().map(|index| &self.solids[*index]).filter(|solid| {
+            solid.border_m.is_some() && solid.is_within_of_cube(center, half_m, solid.reach_m)
+        });
+        reached.filter_map(|solid| solid.border_m).reduce(f64::min)
+    }
+}
+
+impl KnownSolid {
+    /// Returns true if a cube, by its centre and half side (m), comes within a distance (m) of the solid.
+    fn is_within_of_cube(&self, center: &Point, half_m: f64, distance_m: f64) -> bool {
+        let ball = self.solid.ball();
+        if (self.pose * ball.center - center).norm() - ball.radius_m > distance_m + DIAGONAL * half_m {
+            return false;
+        }
         let cube = Solid::cuboid(cranny_spatial::Vector::repeat(half_m));
         let at = Pose::from_parts(center.coords.into(), Rotation::identity());
-        among.iter().any(|&index| {
-            let KnownSolid { pose, solid, reach_m, .. } = &self.solids[index];
-            cube.as_ref().is_ok_and(|cube| {
-                separation_in(cube, &at, solid, pose, Range::to(reach_m + half_m)).lower_m <= *reach_m
-            })
+        cube.as_ref().is_ok_and(|cube| {
+            let range = Range::to(distance_m + half_m);
+            separation_in(cube, &at, &self.solid, &self.pose, range).lower_m <= distance_m
         })
     }
 }
@@ -172,6 +192,54 @@ impl<'a> KnownScene<'a> {
     }
 }
 
+/// Greatest distance of pixels that are compared with a known body, in pixels.
+const MOST_AROUND_PX: f64 = 64.0;
+
+/// Effect of the error of a camera's pose on where it sees a body whose place is known.
+struct PoseError {
+    position_m: f64,
+    /// Displacement of a point per metre of depth, by the error of orientation.
+    turn: f64,
+    /// Greatest length of a ray of depth 1.
+    slant: f64,
+    focal_px: f64,
+}
+
+impl PoseError {
+    fn of(view: &View) -> Self {
+        let View { camera, sensor, .. } = view;
+        let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[right, down]| {
+            let (u, v) = (right * (camera.width_px - 1), down * (camera.height_px - 1));
+            camera.ray(u as f64, v as f64).norm()
+        });
+        let slant = corners.into_iter().fold(1.0, f64::max);
+        Self {
+            position_m: sensor.position_error_m,
+            turn: 2.0 * libm::sin(0.5 * sensor.turn_error_rad) * slant,
+            slant,
+            focal_px: camera.focal_x_px.max(camera.focal_y_px),
+        }
+    }
+
+    /// Returns a bound on the displacement of a point at this depth (m), in metres.
+    fn at_m(&self, depth_m: f64) -> f64 {
+        self.position_m + self.turn * depth_m.min(FARTHEST_M)
+    }
+
+    /// Returns a bound on the displacement in the image of points at least this deep (m), in pixels.
+    fn lateral_px(&self, nearest_m: f64) -> f64 {
+        if self.position_m + self.turn <= 0.0 {
+            return 0.0;
+        }
+        // Before the displacement, along the axis too, a point may be nearer by as much.
+        let true_m = nearest_m - self.at_m(nearest_m);
+        if true_m <= 0.0 {
+            return f64::INFINITY;
+        }
+        self.focal_px * (self.position_m / true_m + self.turn * nearest_m / true_m) * (1.0 + self.slant)
+    }
+}
+
 impl Explained {
     /// Returns the pixels of `view` whose depths fit a known body there and in the pixels around.
     pub fn of(view: &View, known: &KnownScene) -> Self {
@@ -185,8 +253,15 @@ impl Explained {
         let backs = known.scene.meetings(&rays, Side::Back, is_transparent);
         let size_px = [camera.width_px, camera.height_px];
         let [width, height] = size_px;
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 16")]
-        let around = view.sensor.lateral_error_px.ceil() as usize;
+        let pose_error = PoseError::of(view);
+        let nearest_m = fronts.iter().map(|front| front.depth_m).fold(f64::INFINITY, f64::min);
+        let around_px = (view.sensor.lateral_error_px + pose_error.lateral_px(nearest_m)).ceil();
+        if around_px > MOST_AROUND_PX {
+            // It cannot be decided which pixels show them: all that is measured may be something else.
+            return Self { pixels: Vec::new() };
+        }
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 64")]
+        let around = around_px as usize;
         // Depths of front and back in the pixels around each pixel, with their tolerances; the segments there.
         #[allow(clippy::cast_possible_truncation, reason = "rounding is a thousandth of a reserve")]
         let around_each =
@@ -197,12 +272,17 @@ impl Explained {
                 let image: Vec<f32> = fronts.iter().zip(&backs).map(of).collect();
                 window(&image, size_px, around, pick)
             };
-        let near_m = around_each(&|body, front, _| front.depth_m - body.tolerance_m, f32::INFINITY, lesser);
-        let far_m = around_each(&|body, front, _| front.depth_m + body.tolerance_m, 0.0, greater);
+        let error_m = |body: &KnownBody, depth_m: f64| body.tolerance_m + pose_error.at_m(depth_m);
+        let near_m = around_each(
+            &|body, front, _| front.depth_m - error_m(body, front.depth_m),
+            f32::INFINITY,
+            lesser,
+        );
+        let far_m = around_each(&|body, front, _| front.depth_m + error_m(body, front.depth_m), 0.0, greater);
         let end_m = |body: &KnownBody, front: &Meeting, back: &Meeting| {
             let has_back = body.is_transparent && back.segment == front.segment;
             let end_m = if has_back { back.depth_m.max(front.depth_m) } else { front.depth_m };
-            end_m - body.tolerance_m
+            end_m - error_m(body, end_m)
         };
         let back_m = around_each(&end_m, f32::INFINITY, lesser);
         let segment = |_: &KnownBody, front: &Meeting, _: &Meeting| f64::from(front.segment);
@@ -218,18 +298,18 @@ impl Explained {
             let is_whole = !is_border
                 && own > 0
                 && segments.iter().all(|image| (image[place] - f32::from(own)).abs() < 0.5);
-            let is_behind = view.sensor.greatest_true_depth_m(measured_m) >= near_m;
-            let fits = is_behind && view.sensor.least_true_depth_m(measured_m) <= far_m;
-            // A depth at an edge may lie anywhere between front and back.
-            pixels[place] = match (is_whole, fits, is_behind) {
-                (true, true, _) if is_transparent(own) => PixelOf::Through(back_m),
-                (true, true, _) => PixelOf::Known(back_m),
-                (_, _, true) if near_m.is_finite() => PixelOf::Edge,
+            let fits = view.sensor.greatest_true_depth_m(measured_m) >= near_m
+                && view.sensor.least_true_depth_m(measured_m) <= far_m;
+            pixels[place] = match (is_whole, fits) {
+                (true, true) if is_transparent(own) => PixelOf::Through(back_m),
+                (true, true) => PixelOf::Known(back_m),
+                (false, true) => PixelOf::Edge,
                 // Features of a body may be narrower than a pixel, or beyond the border of the image.
-                (false, _, false) if near_m.is_finite() || is_border => {
+                (_, false) if near_m.is_finite() || is_border => {
                     let lateral_m = 2.0 * (0.5 + view.sensor.lateral_error_px) * measured_m
                         / camera.focal_x_px.min(camera.focal_y_px);
-                    let margin_m = lateral_m + view.sensor.depth_bound_m(measured_m);
+                    let margin_m =
+                        lateral_m + view.sensor.depth_bound_m(measured_m) + pose_error.at_m(measured_m);
                     let point = camera.ray(u as f64, v as f64) * measured_m;
                     let point = camera.world_from_camera * Point::from(point);
                     if known.solids.is_within(&point, margin_m, &all) {

@@ -113,6 +113,14 @@ impl SeenMap {
             fine_half_m: 0.5 * fine_m,
         };
         let low = region.low();
+        if let Some(view) = views.iter().find(|view| !Sight::is_sharp(view)) {
+            let problem = format!(
+                "view '{}' shows no space to be free: with its focal length and lateral error, a pixel may see things as far \
+                 from its ray as a third of their depth",
+                view.name
+            );
+            return Err(SenseError::Map { problem });
+        }
         let (views, solids) = ((0..survey.sights.len()).collect::<Vec<_>>(), survey.known.all());
         let cubes = (0..x * y * z).into_par_iter().map(|index| {
             let place = Vector::new((index / (y * z)) as f64, (index / z % y) as f64, (index % z) as f64);
@@ -126,27 +134,28 @@ impl SeenMap {
         let cubes: Vec<Cells> = cubes.collect();
         let collected = |of: fn(&Cells) -> &Vec<Aabb>| cubes.iter().flat_map(of).copied().collect();
         let tolerance_m = known.iter().map(|body| body.tolerance_m).fold(0.0, f64::max);
-        let [everywhere, beside] = [std::slice::from_ref(region), &settings.fine[..]].map(|boxes| {
-            let corners = boxes.iter().flat_map(corners);
-            let missed = corners.flat_map(|corner| {
-                survey.sights.iter().map(move |sight| {
-                    let depth_m = sight.depth_m(&corner).max(0.0);
-                    (sight.detail_m(depth_m), sight.layer_m(depth_m, tolerance_m))
-                })
-            });
-            missed.fold(([0.0_f64; 2], 0.0_f64), |([a, b], layer), ([c, d], other)| {
-                ([a.max(c), b.max(d)], layer.max(other))
-            })
-        });
-        // The cubes may reach beyond the region.
+        // The cubes may reach beyond the region, and cells judged as fine ones beyond the fine boxes.
         let mapped = Vector::new(x as f64, y as f64, z as f64) * cube_m;
         let region = Aabb { center: low + mapped * 0.5, half_extents: mapped * 0.5 };
+        let fine: Vec<Aabb> = settings.fine.iter().map(|aabb| aabb.grown(2.0 * settings.cell_m)).collect();
+        let [everywhere, beside] = [std::slice::from_ref(&region), &fine[..]].map(|boxes| {
+            let missed = boxes.iter().flat_map(corners).flat_map(|corner| {
+                survey.sights.iter().map(move |sight| {
+                    let depth_m = sight.depth_m(&corner).max(0.0);
+                    [sight.detail_m(depth_m), sight.layer_m(depth_m, tolerance_m)]
+                })
+            });
+            missed.fold([[0.0_f64; 2]; 2], |[a, b], [c, d]| {
+                let greater = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
+                [greater(a, c), greater(b, d)]
+            })
+        });
         Ok(Self {
             settings: SeenSettings { region, ..settings },
             occupied: collected(|cells| &cells.occupied),
             unseen: collected(|cells| &cells.unseen),
-            detail_m: [everywhere.0[0], beside.0[1]],
-            layer_m: [everywhere.1, beside.1],
+            detail_m: [everywhere[0][0], beside[0][1]],
+            layer_m: [everywhere[1][0], beside[1][1]],
         })
     }
 
@@ -335,23 +344,26 @@ impl Survey {
         let is_least = half_m < 1.5 * least_m || (is_small && !(is_open && (is_fine || shows(false))));
         let nearness = near.map(|near| self.known.nearness(center, half_m, near));
         let near = match &nearness {
-            None | Some(Nearness::Within) => None,
+            // Nothing else is inside of it.
+            Some(Nearness::Within(true)) => return Kind::Free,
+            None | Some(Nearness::Within(false)) => None,
             Some(Nearness::Beyond) => Some(&[][..]),
             Some(Nearness::Partly(near)) => Some(&near[..]),
         };
-        let is_exempt = near.is_none_or(|near| is_least && self.known.reaches(center, half_m, near));
-        if is_least && is_exempt && self.known.touches_alone(center, half_m) {
+        // At the end of the reach of some bodies, cells are halved further.
+        let border_m =
+            near.filter(|_| is_least && is_fine).and_then(|near| self.known.border_m(center, half_m, near));
+        let is_at_end = border_m.is_some_and(|border_m| half_m <= 0.5 * border_m + 1e-9);
+        let is_exempt = near.is_none();
+        if is_at_end || (is_exempt && !shows(true)) {
             return Kind::Free;
         }
-        if is_least {
-            return match (is_exempt, shows(is_exempt)) {
-                (_, true) => Kind::Occupied,
-                (true, false) => Kind::Free,
-                (false, false) => Kind::Unseen,
-            };
-        }
-        if is_exempt && !shows(true) {
+        let is_touched = is_least && self.known.touches_alone(center, half_m);
+        if is_touched && half_m < 1.5 * least_m {
             return Kind::Free;
+        }
+        if is_least && !is_touched && border_m.is_none() {
+            return if is_exempt || shows(false) { Kind::Occupied } else { Kind::Unseen };
         }
         if open.is_empty() && near.is_some_and(<[usize]>::is_empty) {
             return Kind::Unseen;

@@ -27,6 +27,8 @@ pub(crate) struct Sight {
     sensor: SensorModel,
     /// Twice the sine of half the error of orientation.
     turn_error: f64,
+    /// Greatest length of a ray of depth 1.
+    slant: f64,
     /// Condition for free space, with k = 0.
     sharp: Condition,
     /// The same with k = 1, for space beside a transparent body, whose edge is one or two pixels wide in an image.
@@ -52,6 +54,9 @@ struct Condition {
     free: LeastTable,
 }
 
+/// Radius per metre of depth of the ball that no pixel misses, below which the conditions hold.
+const MOST_PER_M: f64 = 0.3;
+
 /// Optical constants of a view.
 struct Optics {
     focal_px: [f64; 2],
@@ -68,7 +73,7 @@ impl Condition {
         let radius_px = (f64::from(reach) + 0.5 + lateral_px) * std::f64::consts::SQRT_2;
         let per_m = radius_px / focal_px[0].min(focal_px[1]);
         // z(c) ≤ z(p) + R.
-        let detail_per_m = per_m / (1.0 - per_m.min(0.5));
+        let detail_per_m = per_m / (1.0 - per_m);
         let slack_per_m = detail_per_m * (1.0 + sine);
         /// Rounding of a depth to single precision, in metres.
         const ROUNDED_M: f64 = 1e-6;
@@ -173,6 +178,7 @@ impl Sight {
             size_px,
             sensor: *sensor,
             turn_error: 2.0 * libm::sin(0.5 * sensor.turn_error_rad),
+            slant: 1.0 / (1.0 - sine * sine).max(1e-6).sqrt(),
             hopeful: LeastTable::new(camera.width_px, hopeful.collect()),
             beside: (with_beside && explained.shows_transparent()).then(|| condition(1)),
             sharp,
@@ -194,15 +200,29 @@ impl Sight {
         [of(&self.sharp), of(self.beside.as_ref().unwrap_or(&self.sharp))]
     }
 
-    /// Returns the thickness of the layer on a known body, at this depth (m) and placed within this tolerance (m), in which another body
-    /// can be taken for it, in metres.
+    /// Returns the thickness of the layer on a known body, at this depth z (m) and placed within this tolerance t (m), in which another
+    /// body can be taken for it, in metres: everywhere, and beside a transparent body.
     ///
-    /// Along a ray, a measurement that fits the known body within its error is at most twice the error and the tolerance before it, or
-    /// before its nearest point in the footprint of the pixel. On a surface inclined by α to the ray, that is a height of at most
-    /// (2 δ + t) sin α + 2 R cos α.
-    pub fn layer_m(&self, depth_m: f64, tolerance_m: f64) -> f64 {
-        let along_m = 2.0 * self.sensor.depth_bound_m(depth_m) + tolerance_m;
-        along_m.hypot(2.0 * self.sharp.detail_per_m * depth_m)
+    /// Along a ray, a measurement that fits the known body is at most A = 2 δ(z)/(1 − s) + t + 2 e before it, with the share s of the
+    /// error and the displacement e by the error of the pose, or as far before its nearest point in the window of pixels that are compared,
+    /// which is at most w = (½ + ⌈ε⌉) √2 z/f wide, and 2 e. On a surface inclined by α to the ray, that is a height of at most
+    /// A sin α + (w + 2 e) cos α for the centre of a ball that is missed, whose top is higher by its radius R.
+    pub fn layer_m(&self, depth_m: f64, tolerance_m: f64) -> [f64; 2] {
+        let SensorModel { depth_error_share, lateral_error_px, position_error_m, .. } = self.sensor;
+        let pose_m = position_error_m + self.turn_error * self.slant * depth_m;
+        let along_m =
+            2.0 * self.sensor.depth_bound_m(depth_m) / (1.0 - depth_error_share) + tolerance_m + 2.0 * pose_m;
+        let focal_px = self.focal_px[0].min(self.focal_px[1]);
+        let window_px = (0.5 + lateral_error_px.ceil()) * std::f64::consts::SQRT_2;
+        let height_m = along_m.hypot(window_px * depth_m / focal_px + 2.0 * pose_m);
+        self.detail_m(depth_m).map(|detail_m| height_m + 0.5 * detail_m)
+    }
+
+    /// Returns true if the conditions of a view hold for some space: the ball that its pixels cannot miss is small beside its depth.
+    pub fn is_sharp(view: &View) -> bool {
+        let focal_px = view.camera.focal_x_px.min(view.camera.focal_y_px);
+        let radius_px = (1.5 + view.sensor.lateral_error_px) * std::f64::consts::SQRT_2;
+        radius_px < MOST_PER_M * focal_px
     }
 
     /// Returns the depth of a point of the planning frame, in metres.
