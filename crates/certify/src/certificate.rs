@@ -49,7 +49,7 @@ pub fn certificate(
         check_values(robot, &start, &paths)?;
         let model = Model::of(&cell);
         if !model.is_in_order() {
-            return Err(not_covered("a finger before a tip that a joint moves"));
+            return Err(not_covered("a robot that lists a finger before its tip, which a joint moves"));
         }
         let scene = scene_text(robot, &model, &Rules { name: &name, start: &start, goal });
         let hash: String = Sha256::digest(scene.as_bytes()).iter().fold(String::new(), |mut hash, byte| {

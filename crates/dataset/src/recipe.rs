@@ -1,4 +1,5 @@
 pub(crate) mod cameras;
+pub(crate) mod limits;
 pub(crate) mod recipe_file;
 
 use std::collections::BTreeMap;
@@ -14,7 +15,7 @@ use strum::{IntoStaticStr, VariantArray};
 
 use crate::DatasetError;
 use crate::recipe::cameras::DatasetCameras;
-use crate::recipe::recipe_file::{
+use crate::recipe::limits::{
     MOST_CHANGES, MOST_CLUTTER, MOST_ITERATIONS, MOST_MARGIN_M, MOST_QUERIES, MOST_RATE_HZ, MOST_ROWS,
 };
 

@@ -26,7 +26,7 @@ use crate::text;
   cranny bench slurm campaign.yaml --array 100 -o runs/first -- \\
       --partition=short --time=8:00:00 --exclusive
   cranny bench slurm campaign.yaml --array 8 --local '$TMPDIR'   results on the node's own disk while a task runs
-  cranny bench slurm campaign.yaml --array 8 --write-only        write the scripts, and say how to submit them
+  cranny bench slurm campaign.yaml --array 8 --write-only        write the scripts, and print how to submit them
   cranny bench status campaign                                   how far it is
   cranny bench slurm --resume campaign                           submit what was lost
 

@@ -24,7 +24,7 @@ use crate::{Answer, output_file, text};
   cranny grasps import mug.json -o mug.csv                              GraspGen
   cranny grasps import mug.yaml --closing y --offset 105 -o mug.csv     isaac_grasp 1.0 of Isaac Sim
 
-The format is told by the content. Poses become those of the gripper frame here: z the approach, y the axis along which the
+The format is recognized by the content. Poses become those of the gripper frame here: z the approach, y the axis along which the
 fingers close, the origin between the pads. ACRONYM and GraspGen close along x and count from the base of the Franka
 hand, 105 mm behind; of another gripper they need --closing and --offset. GraspNet approaches along x, and its depth is that
 of the fingertips, 7.2 mm ahead. Without --scenario the poses stay in the frame of the file, mostly that of the object's mesh.")]

@@ -37,7 +37,7 @@ use crate::{Answer, text};
   cranny render --all -o sheet.png                           all built-in scenarios on one sheet
   cranny render run.json -o run.gif                          a recording of `cranny simulate … --record`
 
-What is written is said by the ending of FILE. No graphics card is needed, and the same command writes
+The ending of FILE selects what is written. No graphics card is needed, and the same command writes
 the same bytes on any machine; an .mp4 also depends on the version of ffmpeg.")]
 pub struct RenderArguments {
     /// Built-in scenario, or the folder of one; or a recording (.json)

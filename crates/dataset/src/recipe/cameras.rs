@@ -6,7 +6,7 @@ use cranny_spatial::nalgebra::Quaternion;
 use cranny_spatial::{Pose, Rotation, Vector};
 use serde::{Deserialize, Serialize};
 
-use crate::recipe::recipe_file::MOST_CAMERAS;
+use crate::recipe::limits::MOST_CAMERAS;
 use crate::scene_row::pose_numbers;
 
 /// Cameras of the pictures of a data set.

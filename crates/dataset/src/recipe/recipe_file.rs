@@ -15,6 +15,10 @@ use strum::VariantArray as _;
 
 use crate::recipe::cameras::DatasetCameras;
 use crate::recipe::is_built_in;
+use crate::recipe::limits::{
+    MOST_CAMERAS, MOST_CHANGES, MOST_CLUTTER, MOST_ITERATIONS, MOST_MARGIN_M, MOST_QUERIES, MOST_RATE_HZ,
+    MOST_ROWS,
+};
 use crate::{DatasetError, DatasetRecipe, DemonstrationTask, FamilyRange, GraspReasons};
 
 /// Recipe of a data set. Everything but `count` has a default.
@@ -117,21 +121,6 @@ pub fn recipe_schema() -> String {
     text.push('\n');
     text
 }
-
-/// Greatest number of rows: beyond it, indices of rows would no longer fit every reader.
-pub(super) const MOST_ROWS: u64 = 1 << 40;
-/// Greatest number of queries of a scene, and of clutter objects.
-pub(super) const MOST_QUERIES: u64 = 10_000;
-pub(super) const MOST_CLUTTER: u64 = 50;
-/// Greatest rate of trajectories, in Hz.
-pub(super) const MOST_RATE_HZ: f64 = 1000.0;
-/// Greatest clearance that a recipe may require, in metres: more than the width of any passage.
-pub(super) const MOST_MARGIN_M: f64 = 1.0;
-/// Greatest limits of iterations and changes of one query.
-pub(super) const MOST_ITERATIONS: u64 = 10_000_000;
-pub(super) const MOST_CHANGES: u64 = 100_000;
-/// Greatest number of default cameras.
-pub(super) const MOST_CAMERAS: u64 = 8;
 
 /// A fault and its place in the file.
 type Fault = (Location, String);
