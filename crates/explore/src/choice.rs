@@ -1,5 +1,5 @@
 use cranny_sense::{Camera, SensedScene, View};
-use cranny_spatial::{Point, Vector};
+use cranny_spatial::Point;
 
 use crate::ExploreError;
 use crate::prediction::Predictions;
@@ -63,12 +63,17 @@ pub(crate) fn ranked<T>(
     Ok(best)
 }
 
-/// Returns true if two cameras see a point from about the same place, in about the same direction.
-fn is_similar(a: &Camera, b: &Camera, point: &Point) -> bool {
-    /// Distance between the two, as a share of the distance from the point, and cosine of the angle between their axes.
-    const SHARE: f64 = 0.3;
+/// Returns true if a camera sees a point from about the direction of another one that has it in its image, and not much nearer.
+fn is_similar(other: &Camera, camera: &Camera, point: &Point) -> bool {
+    /// Cosine of the angle between the directions, and share of the distance below which a camera is much nearer.
     const COSINE: f64 = 0.9;
-    let [eye_a, eye_b] = [a, b].map(|camera| Point::from(camera.world_from_camera.translation.vector));
-    let axis = |camera: &Camera| camera.world_from_camera.rotation * Vector::z();
-    (eye_a - eye_b).norm() < SHARE * (eye_b - point).norm() && axis(a).dot(&axis(b)) > COSINE
+    const NEARER: f64 = 0.6;
+    let in_other = other.world_from_camera.inverse_transform_point(point);
+    let is_shown = other.project(&in_other).is_some_and(|[u, v]| {
+        (0.0..other.width_px as f64).contains(&(u + 0.5))
+            && (0.0..other.height_px as f64).contains(&(v + 0.5))
+    });
+    let towards = |camera: &Camera| Point::from(camera.world_from_camera.translation.vector) - point;
+    let (there, here) = (towards(other), towards(camera));
+    is_shown && there.dot(&here) > COSINE * there.norm() * here.norm() && here.norm() > NEARER * there.norm()
 }

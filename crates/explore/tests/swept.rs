@@ -8,8 +8,8 @@ use crate::scene::robot;
 
 /// A map of which nothing is seen.
 fn unseen_map() -> SeenMap {
-    let camera = Camera::with_field_of_view([8, 6], 1.0, Pose::identity()).unwrap();
-    let depth = DepthImage::new(8, 6, vec![f32::NAN; 48]).unwrap();
+    let camera = Camera::with_field_of_view([32, 24], 1.0, Pose::identity()).unwrap();
+    let depth = DepthImage::new(32, 24, vec![f32::NAN; 768]).unwrap();
     let view = View::new("blind", camera, depth, SensorModel::default()).unwrap();
     let region = Aabb { center: Point::origin(), half_extents: Vector::repeat(0.64) };
     let settings =
