@@ -151,7 +151,8 @@ fn known_bodies_are_cut_out_and_nothing_else() {
     };
     let ball = known(4);
     let whole = SeenMap::new(&views, &[], settings()).unwrap();
-    let map = SeenMap::new(&views, std::slice::from_ref(&ball), settings()).unwrap();
+    let fine = SeenSettings { fine: vec![region()], ..settings() };
+    let map = SeenMap::new(&views, std::slice::from_ref(&ball), fine).unwrap();
     assert!(map.free_m3() > whole.free_m3() + 4e-4, "the volume of the ball is 9e-4 m³");
     let touches = |map: &SeenMap, (pose, solid): &(Pose, Solid)| {
         let gap = |(other, obstacle): &(Pose, Solid)| separation(solid, pose, obstacle, other, 1.0).lower_m;

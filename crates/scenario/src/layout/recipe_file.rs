@@ -281,12 +281,15 @@ fn write_bound(text: &mut String, bound: &ToolBound) {
 
 fn write_physics(text: &mut String, indent: &str, physics: TargetPhysics) {
     let TargetPhysics { mass_kg, friction, rolling_m } = physics;
-    for (key, number) in [("mass_kg", mass_kg), ("rolling_m", rolling_m)] {
-        let _ = number.map(|number| writeln!(text, "{indent}{key}: {number}"));
+    let friction = friction.map(
+        |Friction { low, high }| {
+            if low < high { format!("[{low}, {high}]") } else { low.to_string() }
+        },
+    );
+    let text_of = |number: Option<f64>| number.map(|number| number.to_string());
+    for (key, value) in
+        [("mass_kg", text_of(mass_kg)), ("friction", friction), ("rolling_m", text_of(rolling_m))]
+    {
+        let _ = value.map(|value| writeln!(text, "{indent}{key}: {value}"));
     }
-    let _ = match friction {
-        Some(Friction { low, high }) if low < high => writeln!(text, "{indent}friction: [{low}, {high}]"),
-        Some(Friction { low, .. }) => writeln!(text, "{indent}friction: {low}"),
-        None => Ok(()),
-    };
 }
