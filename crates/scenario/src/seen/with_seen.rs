@@ -120,8 +120,15 @@ impl Scenario {
         // A bound is never stated less than it is.
         let bound = |value: f64, unit: f64, digits: usize| cranny_file::at_most(value, unit, digits);
         let greatest = |of: fn(&SensorModel) -> f64| sensors.iter().map(of).fold(0.0, f64::max);
-        let [detail, detail_beside] = map.detail_m().map(millimetres);
-        let [layer, layer_beside] = map.layer_m().map(millimetres);
+        let [detail, layer] = [map.detail_m(), map.layer_m()].map(|bounds| {
+            let [everywhere, beside] = bounds.map(millimetres);
+            if self.target.is_some() {
+                format!("{everywhere}, beside the target {beside},")
+            } else {
+                everywhere
+            }
+        });
+        let show = if sensors.len() == 1 { "shows" } else { "show" };
         let is_stated = |(index, body): (usize, &Body)| {
             self.target != Some(index) && !body.is_floor() && !SeenMap::is_name_of_map(&body.name)
         };
@@ -145,9 +152,9 @@ impl Scenario {
             format!("; everything does within {}", claimed.join(", "))
         };
         Some(format!(
-            "the obstacles are {besides}what {} show; {unseen}. Their errors are bounded by {} mm + {} % of the depth, {} pixels, and {} mm \
-             and {}° of the camera's pose; things thinner than {detail} may be missed, beside the target {detail_beside}, and so may \
-             things that rise less than {layer} above the surface of a known body, beside the target {layer_beside}. Within {} of the \
+            "the obstacles are {besides}what {} {show}; {unseen}. Their errors are bounded by {} mm + {} % of the depth, {} pixels, and {} mm \
+             and {}° of the camera's pose; things thinner than {detail} may be missed, and so may \
+             things that rise less than {layer} above the surface of a known body. Within {} of the \
              robot at its start, unseen space counts as free, and so does all in the cells, {} wide, that the robot touches \
              there{claimed}",
             cranny_file::counted(sensors.len(), "view"),
