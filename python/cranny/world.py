@@ -46,7 +46,8 @@ class World:
     `scenario`: what is known, a Scenario: the robot at its start, obstacles whose places are known, the object to grasp, the
     floor, the goals. With `views` (a list of DepthView), all surfaces that they show are obstacles too, and all space that none of
     them shows to be free. `q`: configuration of the robot now, from which `plan` starts (None: the start of the scenario). The robot is
-    cut out of the map, in each view at the `q` of the view (None: as now), as are the bodies of the scenario. The other keywords are those of `seen` in a `scenario.yaml` (docs/sensing.md): `unseen` "solid" or "free",
+    cut out of the map, in each view at the `q` of the view (None: as now), as are the bodies of the scenario. The other keywords are
+    those of `seen` in a `scenario.yaml` (docs/sensing.md): `unseen` "solid" or "free",
     `cell_m`, `fine_m`, `region` (2, 3), the least and the greatest coordinates, `robot_reach_m`, `floor_reach_m`, `tolerance_m`;
     None: the default there.
 
@@ -268,7 +269,8 @@ class World:
         return self.cell.motion_is_free(a, b, threads=threads)
 
     def plan(self, planner: str | None = None, *, start: ArrayLike | None = None, **keywords: Any) -> Plan:
-        """Plans as `cranny.plan` among the obstacles as they are now, from `start` (None: the configuration in the last images). The keywords are those of `cranny.plan`."""
+        """Plans as `cranny.plan` among the obstacles as they are now, from `start` (None: the configuration in the last images).
+        The keywords are those of `cranny.plan`."""
         return plan_of_scenario(self.scenario, planner, start=start, **keywords)
 
     def __repr__(self) -> str:

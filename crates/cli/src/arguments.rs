@@ -43,7 +43,8 @@ pub struct MarginArguments {
     /// Clearance that every check and proof requires between any two bodies, in millimetres [default: 0]
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     margin: Option<f64>,
-    /// Clearance of hand and fingers from the target and its support, in millimetres [default: 0; `plan` takes 1 where the task goes on after the grasp, unless --robust is given]
+    /// Clearance of hand and fingers from the target and its support, in millimetres [default: 0; `plan` takes 1
+    /// where the task goes on after the grasp, unless --robust is given]
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     grasp_margin: Option<f64>,
     /// Maximum tilt of a held object relative to its orientation when grasped, in degrees, proven along the whole motion; for

@@ -30,7 +30,7 @@ fn distance_m(point: &Point, body: &Body) -> f64 {
     of_part.fold(f64::INFINITY, f64::min)
 }
 
-/// The inside of a block that stands before a known wall is seen by nobody. It was free as deep as the cells are wide.
+/// No camera sees the inside of a block that stands before a known wall; in cells of any width, none of it is free.
 #[test]
 fn the_inside_of_what_stands_on_a_known_body_is_not_free() {
     let cuboid = |x: f64, y: f64, z: f64| Solid::cuboid(Vector::new(x, y, z)).unwrap();

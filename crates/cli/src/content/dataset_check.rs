@@ -20,7 +20,9 @@ use crate::{Answer, text};
 
 Each scene is made again from the values of its row, and each path is proven like one of any other origin. Its figures must be
 the same to the bit. What would need the search again is not compared: outcomes and reasons of rows without a path, the factor
-of a hold beyond what the recipe demands, and the results at grasps. Exit 0: all rows are true; exit 1: a row is false, or the check was interrupted.")]
+of a hold beyond what the recipe demands, and the results at grasps.
+
+Exit 0: all rows are true; exit 1: a row is false, or the check was interrupted.")]
 pub struct CheckArguments {
     /// Folder of a set
     #[arg(value_name = "FOLDER")]

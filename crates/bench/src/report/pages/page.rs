@@ -28,8 +28,8 @@ impl Summary {
     /// element with its path (`data-path`) in the JSON document, which the page contains too, with all digits, as
     /// `<script type="application/json" id="summary">`.
     ///
-    /// A page has less than 3 MB with pictures of 20 scenarios: at most 360 rows, 240 comparisons, 0.9 MB of plots and 3000 jumps of curves. Of more, it and its
-    /// document contain an excerpt: the rows of the best planners on evenly chosen scenarios, the first comparisons, and as many
+    /// A page has less than 3 MB with pictures of 20 scenarios: at most 360 rows, 240 comparisons, 0.9 MB of plots and 3000 jumps of
+    /// curves. Of more, it and its document contain an excerpt: the rows of the best planners on evenly chosen scenarios, the first comparisons, and as many
     /// plots of each environment; the page states what is left out.
     pub fn html(&self, enclosure: &Enclosure) -> String {
         let all_plots = plots(self);
