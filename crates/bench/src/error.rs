@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use cranny_file::{nearest_files, suggested, visible_line};
+use cranny_file::{excerpt, nearest_files, suggested, visible_line};
 
 /// Errors of campaigns, results and workers. A failure of a planner is no such error: it is an outcome of its trial.
 #[derive(Debug, thiserror::Error)]
@@ -231,8 +231,9 @@ pub enum BenchError {
     },
     /// The name of a planner has characters that tables and lists cannot show.
     #[error(
-        "the name of planner '{}' is empty or has a control character; give it another `name`",
-        visible_line(name)
+        "the name of planner '{}' is empty, longer than 200 characters, or has a character that cannot be seen; give it another \
+         `name`",
+        excerpt(&visible_line(name))
     )]
     PlannerLetters {
         /// The name.

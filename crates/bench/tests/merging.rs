@@ -103,6 +103,36 @@ fn a_row_that_no_report_could_read_is_not_merged() {
 }
 
 #[test]
+fn figures_that_no_report_accepts_are_not_merged() {
+    for (table, sql) in [
+        ("trials", "UPDATE trials SET planning_time_s = -5"),
+        ("trials", "UPDATE trials SET time_limit_s = 9e999"),
+        ("runs", "UPDATE runs SET cores = -1"),
+    ] {
+        let files = Files::new();
+        let mut into = results(&files.path("into.db"), "a", 0..2);
+        drop(results(&files.path("other.db"), "b", 2..4));
+        change(&files.path("other.db"), sql);
+        let refused = into.merge(&files.path("other.db"), false);
+        assert!(refused.is_err(), "{table}: {sql}");
+        assert_eq!(into.count().expect("a count"), 2, "{sql}");
+    }
+}
+
+#[test]
+fn a_file_that_is_refused_leaves_none_of_the_others_merged() {
+    let files = Files::new();
+    for (name, machine, seeds) in [("into.db", "a", 0..2), ("new.db", "b", 2..4), ("bad.db", "c", 4..6)] {
+        drop(results(&files.path(name), machine, seeds));
+    }
+    change(&files.path("bad.db"), "UPDATE trials SET planning_time_s = -5");
+    let others = [files.path("new.db"), files.path("bad.db")];
+    let refused = Results::merged(&files.path("into.db"), &others, false).map(drop);
+    assert!(refused.is_err_and(|fault| fault.to_string().contains("bad.db")));
+    assert_eq!(Results::open(&files.path("into.db")).expect("results").count().expect("a count"), 2);
+}
+
+#[test]
 fn what_only_one_file_knows_of_a_scenario_is_kept() {
     let files = Files::new();
     for (name, goals) in [("a.db", None), ("b.db", Some(4))] {

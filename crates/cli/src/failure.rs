@@ -98,6 +98,12 @@ pub enum Failure {
         /// Kind of file to be written.
         kind: &'static str,
     },
+    /// Existing results of a campaign, or another database, in the place of an output.
+    #[error("{}: it is a database, such as results of a campaign, which nothing overwrites; give another name", path.display())]
+    Database {
+        /// Existing file.
+        path: PathBuf,
+    },
     /// Standard output that cannot be written to.
     #[error("cannot write the answer: {0}")]
     Output(#[from] std::io::Error),

@@ -9,25 +9,27 @@ use crate::failure::Failure;
 use crate::file_kind::FileKind;
 
 /// Checks, before the work begins, that a command can write `path`. Refuses folders, devices, read-only files, paths in folders
-/// that do not exist, and existing files of another kind unless `--force` is given.
+/// that do not exist, databases, and existing files of another kind unless `--force` is given.
 ///
 /// An empty file, such as those of `mktemp`, is of every kind: it has no content to lose.
 pub fn check(path: &Path, kind: FileKind, output: Output) -> Result<(), Failure> {
     check_folder(path)?;
     check_writable(path)?;
-    if output.force {
-        return Ok(());
-    }
     let head = match cranny_file::head(path, FileKind::HEAD_BYTES) {
         Err(reason) if reason.kind() == std::io::ErrorKind::NotFound => return Ok(()),
         head => head.map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?,
     };
-    if head.is_empty() || kind.is_that_of(&head) {
+    if head.starts_with(DATABASE) {
+        Err(Failure::Database { path: path.to_owned() })
+    } else if output.force || head.is_empty() || kind.is_that_of(&head) {
         Ok(())
     } else {
         Err(Failure::OtherKind { path: path.to_owned(), kind: kind.name() })
     }
 }
+
+/// First bytes of a database of `SQLite`.
+const DATABASE: &[u8] = b"SQLite format 3\0";
 
 /// Refuses a file in a folder that does not exist.
 pub fn check_folder(path: &Path) -> Result<(), Failure> {

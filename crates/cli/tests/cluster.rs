@@ -158,6 +158,23 @@ fn a_name_that_a_shell_would_obey_is_a_name() {
     }
 }
 
+/// A campaign that is killed leaves a log, which is written back before the results are copied from the disk of the node.
+#[cfg(unix)]
+#[test]
+fn results_on_the_disk_of_a_node_are_written_back_with_their_log() {
+    let folder = folder();
+    let path = folder.path();
+    let words =
+        ["bench", "slurm", "campaign.yaml", "--array", "1", "--write-only", "-o", "set", "--local", "$NODE"];
+    let written = with(path, &words, &[]);
+    assert_eq!(written.status.code(), Some(0), "{}", text(&written.stderr));
+    let script = std::fs::read_to_string(path.join("set/task.sh")).expect("a script");
+    let line = script.lines().find(|line| line.contains(" bench status ")).expect("a line");
+    let program = line.split(" bench status ").next().unwrap_or_default();
+    assert!(script.contains(&format!("{program} bench run ")), "{script}");
+    assert!(!script.contains("{program}"), "{script}");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_path_that_no_script_can_contain_is_refused_before_anything_is_written() {

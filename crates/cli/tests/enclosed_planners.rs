@@ -192,6 +192,83 @@ for _ in range(1000):
 time.sleep(20)
 ";
     all_are_out_of_memory(enclosed(buffers, &limit));
+    let large_buffers = "
+pairs = [socket.socketpair() for _ in range(100)]
+held = 0
+for one, other in pairs:
+    one.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 30)
+    one.setblocking(False)
+    try:
+        while True:
+            held += one.send(bytes(1 << 16))
+    except BlockingIOError:
+        pass
+if held > 50 << 20:
+    end(f'{held} bytes in buffers')
+os._exit(0)
+";
+    all_gave_up(enclosed(large_buffers, &limit));
+}
+
+/// Pages that a process releases stay in shared memory, but in no resident set.
+#[test]
+fn shared_memory_without_a_name_is_counted_whole_and_once() {
+    let limit = ["--runs", "1", "--memory-limit", "200", "--time-limit", "5"];
+    let released = "
+import mmap
+held = mmap.mmap(-1, 300 << 20)
+for piece in range(0, len(held), 10 << 20):
+    held[piece:piece + (10 << 20)] = bytes(10 << 20)
+    held.madvise(mmap.MADV_DONTNEED, piece, 10 << 20)
+time.sleep(20)
+";
+    all_are_out_of_memory(enclosed(released, &limit));
+    let beside_files = "
+import mmap
+held = mmap.mmap(-1, 120 << 20)
+held[:] = bytes(120 << 20)
+open('file', 'wb').write(bytes(120 << 20))
+time.sleep(20)
+";
+    all_are_out_of_memory(enclosed(beside_files, &limit));
+    let shared = "
+import mmap
+held = mmap.mmap(-1, 100 << 20)
+held[:] = bytes(100 << 20)
+if os.fork() == 0:
+    held[:] = bytes(100 << 20)
+    os._exit(0)
+os.wait()
+os._exit(0)
+";
+    all_gave_up(enclosed(shared, &limit));
+}
+
+#[test]
+fn a_trial_leaves_no_notes_with_files_that_it_may_only_read() {
+    let text = "
+import fcntl, mmap, struct
+for command in (1036, 1038):
+    try:
+        fcntl.fcntl(open(__file__), command, struct.pack('Q', 3))
+        end('a hint')
+    except OSError:
+        pass
+memory = mmap.mmap(-1, 4096)
+begin = ctypes.addressof(ctypes.c_char.from_buffer(memory))
+if libc.mincore(ctypes.c_void_p(begin), ctypes.c_size_t(4096), ctypes.create_string_buffer(1)) == 0:
+    end('pages in memory')
+try:
+    os.preadv(os.open(__file__, os.O_RDONLY), [bytearray(8)], 0, os.RWF_NOWAIT)
+    end('pages of a file')
+except OSError as fault:
+    if fault.errno != 1:
+        end(f'error {fault.errno}')
+# This advice has no effect, and is no error.
+os.posix_fadvise(os.open(__file__, os.O_RDONLY), 0, 0, os.POSIX_FADV_DONTNEED)
+os._exit(0)
+";
+    all_gave_up(enclosed(text, &["--runs", "1"]));
 }
 
 #[test]

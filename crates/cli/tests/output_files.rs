@@ -122,6 +122,9 @@ fn results_folders_and_devices_are_not_written_over_even_when_forced() {
     for (words, word) in [
         ("bench run --scenarios 021 --planners reach --runs 1 --force -o notes.db", "not a results file"),
         ("bench merge trials.db trials.db --force -o notes.db", "not a results file"),
+        ("bench report trials.db --force -o trials.db", "it is a database"),
+        ("grasps filter 021 --force -o trials.db", "it is a database"),
+        ("plan 021 --force -o trials.db", "it is a database"),
         ("plan 021 --force -o plan.json", "directory"),
         ("plan 021 --force -o /dev/null", "device"),
         ("bench run --scenarios 021 --planners reach --runs 1 -o /dev/null", "device"),

@@ -72,17 +72,29 @@ pub fn check(
         }
         let Chunk { scenes, demonstrations } = folder.read(chunk)?;
         let taken = folder.read_pictures(chunk)?;
+        let mut asked: BTreeMap<u64, Vec<&Demonstration>> = BTreeMap::new();
+        for row in
+            demonstrations.iter().filter(|row| rows.as_ref().is_none_or(|rows| rows.contains(&row.row)))
+        {
+            asked.entry(row.scene).or_default().push(row);
+        }
+        let mut of_scenes: BTreeMap<u64, Vec<&Picture>> = BTreeMap::new();
+        for picture in &taken {
+            of_scenes.entry(picture.scene).or_default().push(picture);
+        }
         let of_scene = |scene: &SceneRow| -> Result<CheckReport, DatasetError> {
-            let own = demonstrations.iter().filter(|row| row.scene == scene.scene);
-            let asked: Vec<&Demonstration> =
-                own.filter(|row| rows.as_ref().is_none_or(|rows| rows.contains(&row.row))).collect();
-            let taken: Vec<&Picture> = taken.iter().filter(|picture| picture.scene == scene.scene).collect();
-            let report = check_scene(&source, scene, &asked, &taken)?;
-            done(asked.len() as u64);
+            if stop.load(Ordering::Relaxed) {
+                return Ok(CheckReport { stopped: true, ..CheckReport::default() });
+            }
+            let of = |number| asked.get(number).map_or(&[][..], Vec::as_slice);
+            let taken = of_scenes.get(&scene.scene).map_or(&[][..], Vec::as_slice);
+            let report = check_scene(&source, scene, of(&scene.scene), taken)?;
+            done(report.checked);
             Ok(report)
         };
         let reports: Vec<CheckReport> = scenes.par_iter().map(of_scene).collect::<Result<_, _>>()?;
-        for CheckReport { checked, proven, faults, .. } in reports {
+        for CheckReport { checked, proven, faults, stopped } in reports {
+            report.stopped |= stopped;
             report.checked += checked;
             report.proven += proven;
             report.faults.extend(faults);
@@ -104,15 +116,14 @@ fn chosen_rows(
     let CheckedRows::Sample(count, seed) = rows else {
         return Ok(there.into_iter().map(|chunk| (chunk, None)).collect());
     };
-    let rows_of = |chunk: u64| folder.scenes_of(chunk).flat_map(|scene| folder.rows_of(scene));
-    let total: u64 = there.iter().map(|chunk| rows_of(*chunk).count() as u64).sum();
+    let total: u64 = there.iter().map(|chunk| folder.row_count(*chunk)).sum();
     let mut random = Stream::new(seed, 0);
     let mut chosen: BTreeMap<u64, Option<BTreeSet<u64>>> = BTreeMap::new();
     let mut left = count.min(total);
     while left > 0 {
         let chunk = there[random.index(there.len())];
-        let rows: Vec<u64> = rows_of(chunk).collect();
-        let row = rows[random.index(rows.len())];
+        let begin = folder.rows_of(folder.scenes_of(chunk).start).start;
+        let row = begin + random.index(usize::try_from(folder.row_count(chunk)).unwrap_or(usize::MAX)) as u64;
         if chosen.entry(chunk).or_default().get_or_insert_default().insert(row) {
             left -= 1;
         }

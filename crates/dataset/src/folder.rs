@@ -216,6 +216,12 @@ impl DatasetFolder {
         scene * size..((scene + 1) * size).min(self.recipe().count)
     }
 
+    /// Returns the number of rows of a chunk, which are successive.
+    pub(crate) fn row_count(&self, chunk: u64) -> u64 {
+        let scenes = self.scenes_of(chunk);
+        self.rows_of(scenes.end.max(1) - 1).end - self.rows_of(scenes.start).start
+    }
+
     /// Returns the chunk and the scene of a row.
     pub fn place_of(&self, row: u64) -> (u64, u64) {
         let scene = row / self.recipe().queries_per_scene;

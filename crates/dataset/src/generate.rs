@@ -1,6 +1,7 @@
+use std::collections::BTreeSet;
 use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use cranny_record::PlanFile;
 
@@ -60,24 +61,17 @@ pub fn generate(
         shard: shard.filter(|shard| *shard != DatasetShard::WHOLE),
     };
     let folder = DatasetFolder::create(folder, description)?;
-    let mut left = Vec::new();
-    let mut report = GenerateReport::default();
-    for chunk in folder.chunks() {
-        if folder.has(chunk)? {
-            report.known +=
-                folder.scenes_of(chunk).map(|scene| folder.rows_of(scene).count() as u64).sum::<u64>();
-        } else {
-            left.push(chunk);
-        }
-    }
+    let known: BTreeSet<u64> = folder.complete_chunks()?.into_iter().collect();
+    let known_rows = known.iter().map(|chunk| folder.row_count(*chunk)).sum();
+    let mut report = GenerateReport { known: known_rows, ..GenerateReport::default() };
     (progress.done)(report.known, 0);
-    let made =
-        Workers { folder: &folder, source: &source, chunks: &left, next: AtomicUsize::new(0), progress };
+    let left = folder.chunks().filter(|chunk| !known.contains(chunk));
+    let made = Workers { folder: &folder, source: &source, left: Mutex::new(Box::new(left)), progress };
     let (rows, solved) = made.run()?;
     report.rows = rows;
     report.solved = solved;
-    report.is_complete = !progress.stop.load(Ordering::Relaxed)
-        || left.iter().all(|chunk| folder.has(*chunk).unwrap_or(false));
+    let is_stopped = progress.stop.load(Ordering::Relaxed);
+    report.is_complete = !is_stopped || folder.complete_chunks()?.into_iter().eq(folder.chunks());
     if report.is_complete {
         write_card(&folder)?;
     }
@@ -88,8 +82,8 @@ pub fn generate(
 struct Workers<'a> {
     folder: &'a DatasetFolder,
     source: &'a SceneSource,
-    chunks: &'a [u64],
-    next: AtomicUsize,
+    /// Chunks that no thread has begun.
+    left: Mutex<Box<dyn Iterator<Item = u64> + Send + 'a>>,
     progress: &'a GenerateProgress<'a>,
 }
 
@@ -98,7 +92,7 @@ impl Workers<'_> {
     fn run(&self) -> Result<(u64, u64), DatasetError> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let asked = if self.progress.threads == 0 { cores } else { self.progress.threads };
-        let threads = asked.min(self.chunks.len()).max(1);
+        let threads = asked.max(1);
         let results = Mutex::new(Vec::new());
         std::thread::scope(|scope| {
             for _ in 0..threads {
@@ -124,10 +118,10 @@ impl Workers<'_> {
     /// Makes one chunk after another, until none is left or the run is stopped.
     fn work(&self) -> Result<(u64, u64), DatasetError> {
         let (mut rows, mut solved) = (0, 0);
-        while let Some(chunk) = self.chunks.get(self.next.fetch_add(1, Ordering::Relaxed)) {
-            let Some((made, made_solved)) = self.make(*chunk).inspect_err(|_| {
+        while let Some(chunk) = self.next() {
+            let Some((made, made_solved)) = self.make(chunk).inspect_err(|_| {
                 // The other threads end too.
-                self.next.store(self.chunks.len(), Ordering::Relaxed);
+                *self.left.lock().unwrap_or_else(PoisonError::into_inner) = Box::new(std::iter::empty());
             })?
             else {
                 break;
@@ -136,6 +130,10 @@ impl Workers<'_> {
             solved += made_solved;
         }
         Ok((rows, solved))
+    }
+
+    fn next(&self) -> Option<u64> {
+        self.left.lock().unwrap_or_else(PoisonError::into_inner).next()
     }
 
     /// Makes a chunk; `None` if the run was stopped before.

@@ -132,6 +132,9 @@ struct Episodes {
     row: Vec<i64>,
 }
 
+/// Maximum number of frames of an episode: more than any motion has, which a row with false speeds could demand.
+const MOST_FRAMES: usize = 1_000_000;
+
 impl Export<'_> {
     fn add(&mut self, row: &Demonstration, scene: &SceneRow) -> Result<(), DatasetError> {
         let fault = |problem: &str| DatasetError::Row {
@@ -147,6 +150,9 @@ impl Export<'_> {
         let open_m = self.robot.hand().map_or(0.0, |hand| hand.description.opening_m);
         let duration_s = trajectory.duration_s();
         let last = (duration_s * self.rate_hz).ceil().max(0.0) as usize;
+        if last > MOST_FRAMES {
+            return Err(fault("has more than a million frames"));
+        }
         let state = |frame: usize| -> Vec<f32> {
             let time_s = (frame as f64 / self.rate_hz).min(duration_s);
             let opening_m = trajectory.opening_m(time_s).unwrap_or(open_m);

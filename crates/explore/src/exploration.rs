@@ -232,6 +232,12 @@ impl<'a> Exploration<'a> {
             Some(blockage) if !is_last && !observer.should_stop() => self.next(&seen, blockage, observer)?,
             _ => None,
         };
+        if !answer.is_solved() && observer.should_stop() {
+            answer.outcome = Outcome::Cancelled;
+        }
+        // After a stop, a view that was not found may exist.
+        let is_whole = answer.outcome != Outcome::Cancelled;
+        let (blockage, next) = (blockage.filter(|_| is_whole), next.filter(|_| is_whole));
         let volume_m3 = |cells: &[Aabb]| cells.iter().map(|cell| 8.0 * cell.half_extents.product()).sum();
         let map = seen.seen.as_ref().map(|space| space.map.clone());
         let volumes =

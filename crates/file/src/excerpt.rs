@@ -1,10 +1,18 @@
-/// Returns a text that is safe to print on a terminal: control characters, and those that change the writing direction, are
-/// escaped. A name from a file may contain any of them. Line ends stay.
+/// Returns a text that is safe to print on a terminal: control characters, those that change the writing direction, and those
+/// without width are escaped. A name from a file may contain any of them. Line ends stay.
 pub fn visible(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
-        let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-        if turns || (c.is_control() && c != '\n') { shown.extend(c.escape_default()) } else { shown.push(c) }
+        // Unicode's property Default_Ignorable_Code_Point, and separators of annotations.
+        let is_unseen = matches!(c, '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{115f}' | '\u{1160}' | '\u{17b4}' | '\u{17b5}'
+            | '\u{180b}'..='\u{180f}' | '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{206f}'
+            | '\u{3164}' | '\u{fe00}'..='\u{fe0f}' | '\u{feff}' | '\u{ffa0}' | '\u{fff0}'..='\u{fffb}'
+            | '\u{e0000}'..='\u{e0fff}');
+        if is_unseen || (c.is_control() && c != '\n') {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
+        }
     }
     shown
 }
@@ -31,6 +39,7 @@ mod tests {
     fn nothing_that_a_terminal_obeys_is_left() {
         assert_eq!(visible("a\x1b[31mb\u{9b}c\r\u{202e}\ttd\n"), "a\\u{1b}[31mb\\u{9b}c\\r\\u{202e}\\ttd\n");
         assert_eq!(visible("Ärger — 50 µm"), "Ärger — 50 µm");
+        assert_eq!(visible("reach\u{200b}\u{feff}"), "reach\\u{200b}\\u{feff}");
         assert_eq!(visible_line("a\nb\r\n\u{2028}\u{85}c"), "a\\nb\\r\\n\\u{2028}\\u{85}c");
     }
 

@@ -171,11 +171,10 @@ impl Door {
 
     fn is_meant(&self, headers: &HeaderMap) -> bool {
         let is_own = |name: &str| self.hosts.iter().any(|host| host.eq_ignore_ascii_case(name));
-        let text = |value: &HeaderValue| value.to_str().map(str::to_owned).unwrap_or_default();
-        let host = headers.get(HOST).map(text).unwrap_or_default();
-        let origin = headers.get(ORIGIN).map(text);
-        let is_own_origin = |origin: &String| origin.strip_prefix("http://").is_some_and(is_own);
-        is_own(&host) && origin.as_ref().is_none_or(is_own_origin)
+        let texts = |name| headers.get_all(name).iter().map(|value| value.to_str().unwrap_or_default());
+        let is_own_origin = |origin: &str| origin.strip_prefix("http://").is_some_and(is_own);
+        // A request with several of them is meant for none.
+        texts(HOST).count() == 1 && texts(HOST).all(is_own) && texts(ORIGIN).all(is_own_origin)
     }
 
     /// Returns the path below the token; `None` for another token.

@@ -1,5 +1,7 @@
 //! Conversion of plans of earlier formats to the present one.
 
+use std::collections::HashSet;
+
 use cranny_scenario::STEPS;
 use serde_json::{Map, Value, json};
 
@@ -139,14 +141,14 @@ fn joined(
     let list = |plan: &Map<String, Value>, key: &str| {
         plan.get(key).and_then(Value::as_array).cloned().unwrap_or_default()
     };
-    let first_stage = list(&whole, "task").len();
+    let first_stage = whole.get("task").and_then(Value::as_array).map_or(0, Vec::len);
     let of_pick = ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp"];
     let has_path = !list(&next, "waypoints").is_empty();
     if has_path {
         let mut pick: Map<String, Value> =
             of_pick.into_iter().filter_map(|key| Some((key.to_owned(), next.get(key)?.clone()))).collect();
         pick.insert("stage".into(), first_stage.into());
-        whole.insert("picks".into(), [list(&whole, "picks"), vec![pick.into()]].concat().into());
+        append(&mut whole, "picks", [pick.into()]);
     }
     for segment in next.get_mut("segments").and_then(Value::as_array_mut).into_iter().flatten() {
         let stage = segment["stage"].as_u64().unwrap_or_default();
@@ -157,22 +159,23 @@ fn joined(
     if let Some(pick) = task.first_mut().filter(|_| !margin.is_null()) {
         pick["object_margin_m"] = margin.clone();
     }
-    whole.insert("task".into(), [list(&whole, "task"), task].concat().into());
-    let (before, after) = (list(&whole, "waypoints"), list(&next, "waypoints"));
-    whole.insert("waypoints".into(), [&before[..], after.get(1..).unwrap_or_default()].concat().into());
+    append(&mut whole, "task", task);
+    append(&mut whole, "waypoints", list(&next, "waypoints").into_iter().skip(1));
     for key in ["segments", "clearances_per_edge_m"] {
-        whole.insert(key.into(), [list(&whole, key), list(&next, key)].concat().into());
+        append(&mut whole, key, list(&next, key));
     }
-    let pairs = list(&whole, "not_checked");
-    let new = list(&next, "not_checked").into_iter().filter(|pair| !pairs.contains(pair)).collect::<Vec<_>>();
-    whole.insert("not_checked".into(), [pairs, new].concat().into());
+    let mut new = list(&next, "not_checked");
+    let known = whole.get("not_checked").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+    let known: HashSet<&Value> = known.iter().collect();
+    new.retain(|pair| !known.contains(pair));
+    append(&mut whole, "not_checked", new);
     if has_path {
         let least = [&whole, &next].map(|plan| plan.get("clearance_m").and_then(Value::as_f64));
         let least = least.into_iter().flatten().reduce(f64::min);
         whole.insert("clearance_m".into(), least.map_or(Value::Null, Value::from));
         let length = [&whole, &next].map(|plan| plan["path_length"].as_f64().unwrap_or_default());
         whole.insert("path_length".into(), (length[0] + length[1]).into());
-        let timing = timing_of(whole.get("timing"), next.get("timing"));
+        let timing = timing_of(whole.remove("timing"), next.get("timing"));
         whole.insert("timing".into(), timing.unwrap_or_default());
         let robustness = least_of(whole.get("robustness"), next.get("robustness"));
         whole.insert("robustness".into(), robustness);
@@ -194,9 +197,20 @@ fn joined(
     Ok(whole)
 }
 
+/// Appends values to a list, which is empty if it is missing.
+fn append(plan: &mut Map<String, Value>, key: &str, values: impl IntoIterator<Item = Value>) {
+    let entry = plan.entry(key).or_insert_with(|| Value::Array(Vec::new()));
+    if !entry.is_array() {
+        *entry = Value::Array(Vec::new());
+    }
+    if let Some(list) = entry.as_array_mut() {
+        list.extend(values);
+    }
+}
+
 /// Joins the times of a plan and of one that begins where it ends.
-fn timing_of(before: Option<&Value>, next: Option<&Value>) -> Option<Value> {
-    let mut timing = before?.as_object()?.clone();
+fn timing_of(before: Option<Value>, next: Option<&Value>) -> Option<Value> {
+    let Value::Object(mut timing) = before? else { return None };
     let (next, begin_s) = (next?.as_object()?, timing.get("duration_s")?.as_f64()?);
     let later = |value: &Value| Some(Value::from(begin_s + value.as_f64()?));
     let times =

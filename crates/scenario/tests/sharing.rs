@@ -49,6 +49,19 @@ fn a_packed_scenario_opens_as_its_folder_does_and_unpacks_to_the_same_bytes() {
 }
 
 #[test]
+fn an_archive_in_the_folder_that_it_packs_is_no_part_of_it() {
+    let (root, archive) = packed();
+    let folder = root.path().join("mine");
+    unpack(&archive, &folder).unwrap();
+    let inside = folder.join("mine.zip");
+    let pack_again = || {
+        pack(&folder, &inside, &Credits::default()).unwrap();
+        fs::read(&inside).unwrap()
+    };
+    assert_eq!(pack_again(), pack_again());
+}
+
+#[test]
 fn an_archive_cut_short_at_any_byte_is_one_clear_error() {
     let (root, archive) = packed();
     let bytes = fs::read(&archive).unwrap();

@@ -100,6 +100,12 @@ fn unfit_views_are_refused_with_file_and_line() {
         let fault = fault_of_text(from, to);
         assert!(fault.contains(words), "no '{words}' in: {fault}");
     }
+    // The images are not read before.
+    let large = fault_of("views.yaml", |content| {
+        let text = String::from_utf8(content).unwrap();
+        text.replacen("width: 32", "width: 8192", 1).replacen("height: 24", "height: 513", 1).into_bytes()
+    });
+    assert!(large.starts_with("views.yaml:3: ") && large.contains("--large-files"), "{large}");
     let cut = fault_of("left.depth.png", |content| content[..content.len() / 2].to_vec());
     assert!(cut.starts_with("left.depth.png: no valid PNG: "), "{cut}");
     let text = fault_of("left.depth.png", |_| b"depths".to_vec());

@@ -114,6 +114,9 @@ impl CampaignPlanner {
     }
 }
 
+/// Maximum length of the name of a planner, in characters: a report repeats it in every row.
+const LONGEST_NAME: usize = 200;
+
 impl Campaign {
     /// Returns the paper's Table I: J⁺-RRT for all grasps, IK-RRT for each goal configuration by itself, 100 runs of 120 s
     /// (900 s for J⁺-RRT in 045) under the `paper` criterion, in the twenty built-in scenarios.
@@ -349,7 +352,9 @@ impl Campaign {
                 return Err(BenchError::NeedsGraspSet { what });
             }
         }
-        let is_shown = |name: &str| !name.trim().is_empty() && visible_line(name) == name;
+        let is_shown = |name: &str| {
+            !name.trim().is_empty() && name.chars().count() <= LONGEST_NAME && visible_line(name) == name
+        };
         if let Some(planner) = self.planners.iter().find(|planner| !is_shown(&planner.name)) {
             return Err(BenchError::PlannerLetters { name: planner.name.clone() });
         }

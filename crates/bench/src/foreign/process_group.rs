@@ -74,15 +74,17 @@ pub struct Family {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Census {
     pub processes: usize,
-    /// Memory, with page tables and open files beyond [`FREE_FILES`].
+    /// Memory without shared memory, with page tables and open files beyond [`FREE_FILES`].
     pub bytes: u64,
-    /// Shared memory within it.
+    /// Resident shared memory.
     pub shared_bytes: u64,
+    /// Shared memory without a name, resident or not; 0 if all address spaces together are within the limit.
+    pub unnamed_bytes: u64,
 }
 
 /// Number of open files of a family whose memory does not count, and memory of each further one: the default size of the buffer
 /// of a socket, which belongs to no process.
-const FREE_FILES: u64 = 2048;
+const FREE_FILES: u64 = 512;
 const FILE_BYTES: u64 = 208 << 10;
 
 impl Family {
@@ -99,10 +101,10 @@ impl Family {
         Self { enclosing: enclosing.to_vec(), ..Self::of(root) }
     }
 
-    /// Updates the members and counts those that do not enclose a program.
-    pub fn count(&mut self) -> Census {
+    /// Updates the members and counts those that do not enclose a program, whose memory has a limit in bytes.
+    pub fn count(&mut self, limit: u64) -> Census {
         let mut census = Census::default();
-        let mut files: u64 = 0;
+        let (mut files, mut virtual_bytes, mut members) = (0_u64, 0_u64, Vec::new());
         self.seen.retain(|process, began| system::beginning(*process) == Some(*began));
         let mut left: Vec<u32> = self.seen.keys().copied().chain([self.root]).collect();
         let mut counted = BTreeSet::new();
@@ -115,7 +117,10 @@ impl Family {
                 self.seen.insert(process, began);
                 if !self.enclosing.contains(&process) {
                     let memory = system::memory(process).unwrap_or_default();
-                    census.bytes += memory.resident_bytes + memory.other_bytes;
+                    census.bytes +=
+                        memory.resident_bytes.saturating_sub(memory.shared_bytes) + memory.other_bytes;
+                    virtual_bytes = virtual_bytes.saturating_add(memory.virtual_bytes);
+                    members.push(process);
                     census.shared_bytes += memory.shared_bytes;
                     census.processes += 1;
                     files += system::open_files(process);
@@ -123,6 +128,14 @@ impl Family {
             }
         }
         census.bytes += files.saturating_sub(FREE_FILES).saturating_mul(FILE_BYTES);
+        if virtual_bytes > limit {
+            let mut unnamed: BTreeMap<u64, u64> = BTreeMap::new();
+            for (inode, bytes) in members.into_iter().flat_map(system::unnamed_shared_memory) {
+                let size = unnamed.entry(inode).or_default();
+                *size = bytes.max(*size);
+            }
+            census.unnamed_bytes = unnamed.into_values().fold(0, u64::saturating_add);
+        }
         census
     }
 

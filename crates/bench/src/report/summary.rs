@@ -79,7 +79,7 @@ impl Summary {
         if source.trials.is_empty() {
             return Err(BenchError::NoTrials { results: source.results.to_owned() });
         }
-        source.trials.iter().try_for_each(check)?;
+        source.trials.iter().try_for_each(StoredTrial::check)?;
         let mut configurations: BTreeMap<Configuration, Vec<&StoredTrial>> = BTreeMap::new();
         for trial in source.trials {
             configurations.entry(Configuration::of(&trial.record.trial)).or_default().push(trial);
@@ -153,24 +153,4 @@ fn known_goals<'a>(
         Some((names.scenario(configuration).to_owned(), *goals))
     };
     configurations.filter_map(goals).collect()
-}
-
-fn check(trial: &StoredTrial) -> Result<(), BenchError> {
-    let record = &trial.record;
-    let figures = [
-        ("planning time", Some(record.statistics.planning_time_s)),
-        ("time limit", Some(record.trial.time_limit_s)),
-        ("path length", record.path_length),
-        ("score", record.grasp_score),
-        // Under the paper's criterion a path may penetrate an obstacle.
-        ("clearance", record.clearance_m.map(f64::abs)),
-    ];
-    for (figure, value) in figures {
-        if let Some(value) = value
-            && !(value.is_finite() && value >= 0.0)
-        {
-            return Err(BenchError::Figure { trial: trial.id, figure, value });
-        }
-    }
-    Ok(())
 }

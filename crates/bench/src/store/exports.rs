@@ -94,7 +94,9 @@ fn sweep(temporary: &Path) {
         let _ = match open_plain_file(&entry.path().join(LOCK)) {
             Ok(lock) if lock.try_lock().is_ok() => remove_folder(&entry.path(), PATIENCE),
             // Its campaign was killed before locking, or during removal; a recent folder may still be in creation.
-            Err(_) if is_old(&entry) => fs::remove_dir(entry.path()),
+            Err(fault) if fault.kind() == io::ErrorKind::NotFound && is_old(&entry) => {
+                remove_folder(&entry.path(), PATIENCE)
+            }
             _ => Ok(()),
         };
     }
@@ -123,14 +125,14 @@ mod tests {
         running.as_ref().unwrap().lock().unwrap();
         drop(folder("cranny-bench-b", true));
         folder("cranny-bench-c", false);
-        let empty = |name: &str, age_s: u64| {
+        let unlocked = |name: &str, age_s: u64| {
             let folder = temporary.path().join(name);
-            fs::create_dir(&folder).unwrap();
+            fs::create_dir_all(folder.join("worker-a")).unwrap();
             let made = std::time::SystemTime::now() - Duration::from_secs(age_s);
             File::open(folder).unwrap().set_modified(made).unwrap();
         };
-        empty("cranny-bench-d", 0);
-        empty("cranny-bench-e", 3600);
+        unlocked("cranny-bench-d", 0);
+        unlocked("cranny-bench-e", 3600);
         drop(folder("other", true));
         sweep(temporary.path());
         let mut left: Vec<_> =

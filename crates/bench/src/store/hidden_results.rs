@@ -11,8 +11,8 @@ use crate::store::results_file::{APPLICATION, beside, folder_of};
 /// Returns the real paths of all results files in the folder of `path`, each with the files that `SQLite` keeps beside it. A process
 /// that has one of them open must not call this: closing a file releases all locks of its process on it.
 pub fn results_beside(path: &Path) -> Vec<PathBuf> {
-    /// More than any folder of results has: each file is opened once for each trial.
-    const MOST_FILES: usize = 1000;
+    /// More than any folder of results has: each file is looked at once for each trial.
+    const MOST_FILES: usize = 100_000;
     let Ok(path) = fs::canonicalize(path) else { return Vec::new() };
     let entries = fs::read_dir(folder_of(&path)).into_iter().flatten().flatten().take(MOST_FILES);
     let others = entries.map(|entry| entry.path()).filter(|other| *other != path && is_results(other));
@@ -28,6 +28,11 @@ pub fn results_beside(path: &Path) -> Vec<PathBuf> {
 /// Returns true if a file is a database with the mark of results (<https://sqlite.org/fileformat.html>, section 1.3).
 fn is_results(path: &Path) -> bool {
     const MARK_OFFSET: usize = 68;
+    /// A database consists of pages, whose size is a multiple of this.
+    const PAGE: u64 = 512;
+    if fs::symlink_metadata(path).is_ok_and(|facts| facts.len() % PAGE != 0 || facts.len() == 0) {
+        return false;
+    }
     let mut header = [0; MARK_OFFSET + 4];
     let is_read = open_plain_file(path).and_then(|mut file| file.read_exact(&mut header)).is_ok();
     let mark = u32::from_be_bytes([header[68], header[69], header[70], header[71]]);
@@ -47,7 +52,7 @@ mod tests {
             Results::create(&path(name)).unwrap();
         }
         fs::write(path("planner.py"), "print()").unwrap();
-        fs::write(path("other.db"), [b"SQLite format 3\0".as_slice(), &[0; 84]].concat()).unwrap();
+        fs::write(path("other.db"), [b"SQLite format 3\0".as_slice(), &[0; 496]].concat()).unwrap();
         let found = results_beside(&path("a.db"));
         for name in ["a.db", "a.db-wal", "a.db-shm", "a.db-journal", "b", "b-wal", "b-shm", "b-journal"] {
             assert!(found.contains(&path(name)), "{name}");

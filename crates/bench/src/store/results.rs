@@ -319,7 +319,7 @@ impl Results {
     /// in the others become trials of one run on an unknown machine.
     ///
     /// # Errors
-    /// As [`Self::open`] and [`Self::trials`] of the others, [`BenchError::Database`]; unless `keep_first`,
+    /// As [`Self::open`] and [`Self::trials`] of the others, [`BenchError::Row`], [`BenchError::Database`]; unless `keep_first`,
     /// [`BenchError::Overlap`] if a trial has another result in the others, as is usual for a trial that runs again, and
     /// [`BenchError::OtherRun`] if a run has another machine, program or command there.
     pub fn merge(&mut self, others: &Path, keep_first: bool) -> Result<Merged, BenchError> {
@@ -331,8 +331,17 @@ impl Results {
         let is_older = opened.is_older()?;
         let sql = results_row::selection(is_older);
         let mut statement = opened.done(opened.connection.prepare(&sql))?;
-        results_row::for_each(opened.done(statement.query([]))?, &opened.path, |_| ())?;
+        results_row::for_each(opened.done(statement.query([]))?, &opened.path, |trial| {
+            trial.check().map_err(|fault| match fault {
+                BenchError::Figure { trial: id, figure: what, value } => {
+                    BenchError::Row { path: opened.path.clone(), id, what, text: value.to_string() }
+                }
+                other => other,
+            })
+        })?;
         drop(statement);
+        opened.runs()?;
+        opened.scenarios()?;
         self.done(self.connection.execute("ATTACH DATABASE ?1 AS others", [&others]))?;
         let overlap = if keep_first { Ok(None) } else { self.overlap_with_others(&opened.path) };
         let merged = match overlap {
@@ -348,8 +357,8 @@ impl Results {
         detached.map(|()| merged)
     }
 
-    /// Merges `others` into the results `into`, new or existing; returns these with the summary of each merge. A new file
-    /// appears complete or not at all.
+    /// Merges `others` into the results `into`, new or existing, all or none; returns these with the summary of each merge. A
+    /// new file appears complete or not at all; an existing one is merged in a copy first.
     ///
     /// # Errors
     /// As [`Self::create`] and [`Self::merge`], and [`BenchError::Unwritable`].
@@ -362,6 +371,13 @@ impl Results {
             others.iter().map(|other| results.merge(other, keep_first)).collect()
         };
         if into.exists() {
+            if others.len() > 1 {
+                drop(Self::open(into)?);
+                let (_copy, file) = results_file::copied(into)?;
+                let mut rehearsal = Self::create(&file)?;
+                into.clone_into(&mut rehearsal.path);
+                take_up(&mut rehearsal)?;
+            }
             let mut results = Self::create(into)?;
             let merged = take_up(&mut results)?;
             return Ok((results, merged));
@@ -410,6 +426,7 @@ impl Results {
         let mut trials = Vec::new();
         results_row::for_each(self.done(statement.query(parameters))?, &self.path, |trial| {
             trials.push(trial);
+            Ok(())
         })?;
         Ok(trials)
     }

@@ -113,7 +113,11 @@ pub fn overlap() -> String {
 }
 
 /// Parses all rows of a [`selection`] one by one.
-pub fn for_each(mut rows: Rows, path: &Path, mut visit: impl FnMut(StoredTrial)) -> Result<(), BenchError> {
+pub fn for_each(
+    mut rows: Rows,
+    path: &Path,
+    mut visit: impl FnMut(StoredTrial) -> Result<(), BenchError>,
+) -> Result<(), BenchError> {
     let fault = |reason| BenchError::Database { path: path.to_owned(), reason };
     while let Some(row) = rows.next().map_err(fault)? {
         let criterion: String = row.get(6).map_err(fault)?;
@@ -123,7 +127,7 @@ pub fn for_each(mut rows: Rows, path: &Path, mut visit: impl FnMut(StoredTrial))
             |what, text: &str| BenchError::Row { path: path.to_owned(), id, what, text: text.to_owned() };
         let criterion = criterion.parse().map_err(|_| no("criterion", &criterion))?;
         let outcome = outcome.parse().map_err(|_| no("outcome", &outcome))?;
-        visit(stored(row, criterion, outcome).map_err(fault)?);
+        visit(stored(row, criterion, outcome).map_err(fault)?)?;
     }
     Ok(())
 }

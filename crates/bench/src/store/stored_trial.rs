@@ -1,3 +1,4 @@
+use crate::BenchError;
 use crate::asked::trial::TrialRecord;
 
 /// A trial in the results.
@@ -9,4 +10,30 @@ pub struct StoredTrial {
     pub run: u64,
     /// The trial and its result.
     pub record: TrialRecord,
+}
+
+impl StoredTrial {
+    /// Checks that no figure is negative or not finite.
+    ///
+    /// # Errors
+    /// [`BenchError::Figure`].
+    pub(crate) fn check(&self) -> Result<(), BenchError> {
+        let record = &self.record;
+        let figures = [
+            ("planning time", Some(record.statistics.planning_time_s)),
+            ("time limit", Some(record.trial.time_limit_s)),
+            ("path length", record.path_length),
+            ("score", record.grasp_score),
+            // Under the paper's criterion a path may penetrate an obstacle.
+            ("clearance", record.clearance_m.map(f64::abs)),
+        ];
+        for (figure, value) in figures {
+            if let Some(value) = value
+                && !(value.is_finite() && value >= 0.0)
+            {
+                return Err(BenchError::Figure { trial: self.id, figure, value });
+            }
+        }
+        Ok(())
+    }
 }

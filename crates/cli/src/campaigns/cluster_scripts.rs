@@ -58,7 +58,7 @@ impl<'a> ClusterScripts<'a> {
         let (results, standing) =
             (number(&self.folder.results(VARIABLE))?, number(&self.folder.standing(VARIABLE))?);
         let (to, from) = match local {
-            None => (String::new(), ""),
+            None => (String::new(), String::new()),
             Some(local) => (
                 format!(
                     "local={}/cranny-$SLURM_JOB_ID\nmkdir -p \"$local\" || exit 1\n\
@@ -68,7 +68,13 @@ impl<'a> ClusterScripts<'a> {
                 ),
                 // Its log is written back first: a killed campaign leaves one. It is copied under another name, so that a file with
                 // the final name is complete.
-                "{program} bench status \"$results\" > /dev/null\ncp \"$results\" \"$shared.partial\" && mv \"$shared.partial\" \"$shared\" && rm -r \"$local\"\n",
+                format!(
+                    "{program} bench status \"$results\" > /dev/null\n\
+                     if test ! -s \"$results-wal\" && cp \"$results\" \"$shared.partial\" && \
+                     mv \"$shared.partial\" \"$shared\"; then\n    rm -r \"$local\"\nelse\n    \
+                     echo \"the results stay in $local\" >&2\nfi\n",
+                    program = self.program,
+                ),
             ),
         };
         Ok(format!(

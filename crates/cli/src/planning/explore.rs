@@ -30,6 +30,8 @@ use crate::text::{self, at_least_mm};
 struct Answered<'a> {
     scenario: &'a str,
     solved: bool,
+    /// True if Ctrl-C ended it, after which nothing is written.
+    stopped: bool,
     views: Vec<SeenView>,
     /// Judgement of the plan in the true scenario; `None` without a plan.
     true_scene: Option<TrueScene>,
@@ -114,7 +116,9 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     let id = place.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let in_folder = PlanSource { scenario: id, margins: source.margins, ..PlanSource::default() };
     let plan = PlanFile::of(&explored.answer, &in_folder);
-    let is_written = solved || arguments.output.is_some();
+    let stopped = explored.answer.outcome == Outcome::Cancelled;
+    // The same command begins again.
+    let is_written = solved || (arguments.output.is_some() && !stopped);
     let plan_file = place.join(PLAN);
     if is_written {
         write(&explored, &settings, &truth, &plan, &place)?;
@@ -129,6 +133,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     let answered = Answered {
         scenario: &truth.id,
         solved: is_proven,
+        stopped,
         views: explored.reports.iter().map(|report| SeenView::of(report, &problem)).collect(),
         true_scene,
         folder: is_written.then_some(place.as_path()),
@@ -207,10 +212,12 @@ fn view_lines(number: usize, report: &ViewReport, problem: &Problem) -> String {
 }
 
 fn page(answered: &Answered, explored: &Explored) -> String {
-    let Answered { scenario, solved, views, true_scene, folder, plan_file, plan } = answered;
+    let Answered { scenario, solved, stopped, views, true_scene, folder, plan_file, plan } = answered;
     let views = counted(views.len(), "view");
     let mut page = if *solved {
         format!("{scenario}: solved after {views}, proven in the space that they show\n")
+    } else if *stopped {
+        format!("{scenario}: stopped after {views}, which are not kept\n")
     } else {
         format!("{scenario}: not solved after {views} ({})\n", plan.outcome.name())
     };

@@ -79,9 +79,10 @@ pub fn run(arguments: &RoadmapArguments, output: Output) -> Result<Answer, Failu
         file,
     };
     let page = || {
-        let Answered { scenario, nodes, edges, seconds, file, .. } = &answered;
+        let Answered { scenario, nodes, edges, seconds, file, stopped } = &answered;
         let (nodes, edges) = (counted(*nodes, "configuration"), counted(*edges, "proven edge"));
-        format!("{scenario}: {nodes}, {edges} in {seconds:.1} s → {}\n", file.display())
+        let of = if *stopped { format!("stopped, of {}: ", arguments.nodes) } else { String::new() };
+        format!("{scenario}: {of}{nodes}, {edges} in {seconds:.1} s → {}\n", file.display())
     };
     text::answer(&answered, page, output)?;
     Ok(if answered.stopped { Answer::No } else { Answer::Done })

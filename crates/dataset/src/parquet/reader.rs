@@ -1,3 +1,5 @@
+use std::collections::BTreeSet;
+
 use crate::parquet::column::{BOOLEAN, BYTE_ARRAY, Column, DOUBLE, FLOAT, INT32, INT64};
 use crate::parquet::thrift::{Thrift, read_varint};
 use crate::parquet::writer::{MAGIC, PLAIN};
@@ -21,6 +23,11 @@ pub(crate) fn read_parquet(bytes: &[u8]) -> Result<Table, String> {
 /// Reads all columns; `None` for damaged metadata.
 fn read_columns(bytes: &[u8], footer: &Thrift) -> Option<Result<Table, String>> {
     let rows = usize::try_from(footer.field(3)?.integer()?).ok()?;
+    // Each table has a column of numbers of eight bytes.
+    if rows > bytes.len() / 8 {
+        return None;
+    }
+    let mut offsets = BTreeSet::new();
     let groups = footer.field(4)?.elements()?;
     let [group] = groups else {
         return Some(Err(format!("the file has {} row groups, but one is expected", groups.len())));
@@ -39,6 +46,9 @@ fn read_columns(bytes: &[u8], footer: &Thrift) -> Option<Result<Table, String>> 
         let metadata = chunk.field(3)?;
         let is_plain = metadata.field(4)?.integer()? == 0;
         let offset = usize::try_from(metadata.field(9)?.integer()?).ok()?;
+        if !offsets.insert(offset) {
+            return Some(Err(format!("column '{name}' has the page of another column")));
+        }
         let (header, size) = Thrift::read(bytes.get(offset..)?)?;
         let of_page = header.field(5)?;
         if !is_plain || of_page.field(2)?.integer()? != PLAIN {
@@ -51,6 +61,10 @@ fn read_columns(bytes: &[u8], footer: &Thrift) -> Option<Result<Table, String>> 
         let mut page = Page { bytes: bytes.get(begin..end)?, at: 0 };
         let count = usize::try_from(of_page.field(1)?.integer()?).ok()?;
         let kind = Kind { physical: metadata.field(1)?.integer()?, is_text };
+        // A list without values has one level, and each value at least four bytes.
+        if count > rows + page.bytes.len() && is_list {
+            return None;
+        }
         let column = if is_list { page.lists(kind, count)? } else { page.values(kind, count)? };
         if column.len() != rows {
             return None;
@@ -190,6 +204,13 @@ mod tests {
         let read: Vec<(&str, Column)> =
             read.iter().map(|(name, column)| (&name[..], column.clone())).collect();
         assert_eq!(read, table);
+    }
+
+    /// A run of levels states any number of empty lists in a few bytes.
+    #[test]
+    fn more_rows_than_a_file_has_room_for_are_refused() {
+        let empty = parquet_file(&[("a", Column::Floats(vec![Vec::new(); 1_000_000]))], &[]);
+        assert!(empty.len() < 1000 && read_parquet(&empty).is_err());
     }
 
     #[test]

@@ -15,11 +15,17 @@ pub fn has_call_filter() -> bool {
 /// - keys of the kernel, which outlive a process, and typing into a terminal;
 /// - memory in files without a name, which is not attributed to a process;
 /// - leases, by which a reader of a file can delay everybody who opens it;
+/// - hints of files and questions about their pages in memory, by which a program can leave notes for the next one;
 /// - sockets of families that no network namespace separates, such as `AF_VSOCK`;
 /// - scheduling attributes, and rings of calls (`io_uring`), which no filter sees.
 ///
-/// `setsid` does nothing and returns 0: the kernel shares the processors between sessions, so that many sessions would have many
-/// shares. A program that makes a daemon of itself continues. Calls of other interfaces of the same processor (x32) are unknown
+/// These calls do nothing and return 0, so that a program continues:
+///
+/// - `setsid`: the kernel shares the processors between sessions, so that many sessions would have many shares;
+/// - advice to drop pages of files from memory, which another program would have to read again;
+/// - larger buffers of sockets, whose memory counts for no process.
+///
+/// Calls of other interfaces of the same processor (x32) are unknown
 /// (ENOSYS); those of 32 bits end the process.
 ///
 /// # Errors
@@ -41,7 +47,7 @@ mod linux {
     };
 
     /// Calls that are denied with any arguments.
-    const DENIED: [libc::c_long; 7] = [
+    const DENIED: [libc::c_long; 11] = [
         libc::SYS_add_key,
         libc::SYS_keyctl,
         libc::SYS_request_key,
@@ -49,7 +55,24 @@ mod linux {
         libc::SYS_memfd_secret,
         libc::SYS_sched_setattr,
         libc::SYS_io_uring_setup,
+        libc::SYS_mincore,
+        CACHESTAT,
+        libc::SYS_process_madvise,
+        libc::SYS_syslog,
     ];
+
+    /// `cachestat` of Linux 6.5, the same number on all processors.
+    const CACHESTAT: libc::c_long = 451;
+
+    /// Hints of the lifetime of data, of a file and of an open one (`fcntl(2)`).
+    const HINTS: [u64; 2] = [1036, 1038];
+
+    /// Advice that takes pages of files from memory: of a file, and of mapped memory (`MADV_COLD`, `MADV_PAGEOUT`).
+    const FILE_UNUSED: u64 = libc::POSIX_FADV_DONTNEED.unsigned_abs() as u64;
+    const UNUSED: [u64; 2] = [20, 21];
+
+    /// Sizes of the buffers of a socket, also beyond the limits.
+    const BUFFERS: [i32; 4] = [libc::SO_SNDBUF, libc::SO_RCVBUF, libc::SO_SNDBUFFORCE, libc::SO_RCVBUFFORCE];
 
     /// Families of sockets that network namespaces separate, or that have paths.
     const FAMILIES: [i32; 4] = [libc::AF_UNIX, libc::AF_INET, libc::AF_INET6, libc::AF_NETLINK];
@@ -57,23 +80,38 @@ mod linux {
     type Rules = BTreeMap<i64, Vec<SeccompRule>>;
 
     pub fn filter() -> Result<(), Box<dyn Error + Send + Sync>> {
-        use SeccompCmpOp::{Eq, Ne};
+        use SeccompCmpOp::{Eq, MaskedEq, Ne};
         let second = |value: u64| SeccompRule::new(vec![argument(1, Eq, value)?]);
         let typing = vec![second(libc::TIOCSTI)?, second(libc::TIOCLINUX)?];
-        let leases = vec![second(u64::from(libc::F_SETLEASE.unsigned_abs()))?];
+        let leases = u64::from(libc::F_SETLEASE.unsigned_abs());
+        let of_files = HINTS.into_iter().chain([leases]).map(second).collect::<Result<_, _>>()?;
+        let no_wait = u64::from(libc::RWF_NOWAIT.unsigned_abs());
+        let of_pages = vec![SeccompRule::new(vec![argument(5, MaskedEq(no_wait), no_wait)?])?];
         let others = FAMILIES.iter().map(|family| argument(0, Ne, u64::from(family.unsigned_abs())));
         let others = vec![SeccompRule::new(others.collect::<Result<_, _>>()?)?];
         let mut denied: Rules = DENIED.into_iter().map(|call| (call, Vec::new())).collect();
         denied.extend([
             (libc::SYS_ioctl, typing),
-            (libc::SYS_fcntl, leases),
+            (libc::SYS_fcntl, of_files),
+            (libc::SYS_preadv2, of_pages),
             (libc::SYS_socket, others.clone()),
             (libc::SYS_socketpair, others),
         ]);
         #[cfg(target_arch = "x86_64")]
         apply_filter(&other_interface())?;
         answer(denied, libc::EPERM.unsigned_abs())?;
-        answer(Rules::from([(libc::SYS_setsid, Vec::new())]), 0)
+        let third = |value: u64| SeccompRule::new(vec![argument(2, Eq, value)?]);
+        let buffer = |name: i32| {
+            let level = argument(1, Eq, u64::from(libc::SOL_SOCKET.unsigned_abs()))?;
+            SeccompRule::new(vec![level, argument(2, Eq, u64::from(name.unsigned_abs()))?])
+        };
+        let ignored = Rules::from([
+            (libc::SYS_setsid, Vec::new()),
+            (libc::SYS_fadvise64, vec![SeccompRule::new(vec![argument(3, Eq, FILE_UNUSED)?])?]),
+            (libc::SYS_madvise, UNUSED.into_iter().map(third).collect::<Result<_, _>>()?),
+            (libc::SYS_setsockopt, BUFFERS.into_iter().map(buffer).collect::<Result<_, _>>()?),
+        ]);
+        answer(ignored, 0)
     }
 
     /// Answers these calls with an error, or with the result 0.

@@ -140,6 +140,9 @@ mod linux {
         for (name, value) in KERNEL_LIMITS {
             let _ = fs::write(format!("/proc/sys/kernel/{name}"), value);
         }
+        for buffer in ["tcp_rmem", "tcp_wmem"] {
+            let _ = fs::write(format!("/proc/sys/net/ipv4/{buffer}"), "4096 65536 212992");
+        }
         if has_own_process_ids() {
             let _ = fs::write("/proc/sys/kernel/pid_max", restrictions.tasks.to_string());
         }

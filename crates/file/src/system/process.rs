@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::Path;
@@ -8,8 +9,10 @@ use std::process::ExitStatus;
 pub struct ProcessMemory {
     /// Resident set size.
     pub resident_bytes: u64,
-    /// Named shared memory within the resident set.
+    /// Shared memory within the resident set.
     pub shared_bytes: u64,
+    /// Size of the address space.
+    pub virtual_bytes: u64,
     /// Page tables and reserved huge pages, which are not within the resident set.
     pub other_bytes: u64,
     /// Peak of the resident set size, since the start of the process or since [`PeakMemory::begin`].
@@ -132,9 +135,33 @@ fn memory_in(status: &Path) -> Option<ProcessMemory> {
     Some(ProcessMemory {
         resident_bytes: bytes("VmRSS:")?,
         shared_bytes: bytes("RssShmem:").unwrap_or_default(),
+        virtual_bytes: bytes("VmSize:").unwrap_or_default(),
         other_bytes: ["VmPTE:", "HugetlbPages:"].into_iter().filter_map(bytes).sum(),
         peak_bytes: bytes("VmHWM:").unwrap_or_default(),
     })
+}
+
+/// Returns the sizes in bytes of the shared memory without a name that a process maps, by the number of its inode (Linux). A
+/// page that the process has released stays in this memory, but in no resident set.
+pub fn unnamed_shared_memory(process: u32) -> BTreeMap<u64, u64> {
+    let mut sizes = BTreeMap::new();
+    let maps = fs::read_to_string(format!("/proc/{process}/maps")).unwrap_or_default();
+    // proc_pid_maps(5): address range, permissions, offset, device, inode and path.
+    for line in maps.lines().filter(|line| line.ends_with("/dev/zero (deleted)")) {
+        let mut words = line.split_whitespace();
+        let hexadecimal = |word: Option<&str>| u64::from_str_radix(word?, 16).ok();
+        let range = words.next().and_then(|range| {
+            let (begin, end) = range.split_once('-')?;
+            hexadecimal(Some(end))?.checked_sub(hexadecimal(Some(begin))?)
+        });
+        let offset = hexadecimal(words.nth(1));
+        let inode = words.nth(1).and_then(|inode| inode.parse().ok());
+        if let (Some(length), Some(offset), Some(inode)) = (range, offset, inode) {
+            let size: &mut u64 = sizes.entry(inode).or_default();
+            *size = (*size).max(offset + length);
+        }
+    }
+    sizes
 }
 
 /// Returns the number of open file descriptors of a process; 0 if unknown, and on systems other than Linux.

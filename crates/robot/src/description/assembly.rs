@@ -1,8 +1,9 @@
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use cranny_shape::{Solid, TriangleSoup, mesh_colour};
-use cranny_spatial::Pose;
+use cranny_shape::{ShapeError, Solid, TriangleSoup, mesh_colour};
+use cranny_spatial::{Pose, Vector};
 
 use crate::chain::coupled_limits::coupled_limits;
 use crate::chain::derived::Derived;
@@ -65,7 +66,7 @@ impl Robot {
         let resolved = Resolved::new(&urdf, &tree, srdf.as_ref(), options)?;
         let (movers, steps, rest) = motions(&urdf, &tree, &resolved);
         // 3. The solids of the links are built.
-        let solids = SolidSource { base_dir, options };
+        let solids = SolidSource::new(base_dir, options);
         let mut links = Vec::with_capacity(tree.nodes.len());
         for node in &tree.nodes {
             let link = &urdf.links[node.link];
@@ -270,6 +271,17 @@ fn joint_motion(
 pub(crate) struct SolidSource<'a> {
     pub(crate) base_dir: Option<&'a Path>,
     pub(crate) options: &'a RobotOptions,
+    /// Solids of mesh files that were read, with their triangles, by path, bits of the scale, and true for a solid instead of
+    /// a hull: links that name the same file share them.
+    known: RefCell<HashMap<MeshKey, (Solid, TriangleSoup)>>,
+}
+
+type MeshKey = (PathBuf, [u64; 3], bool);
+
+impl<'a> SolidSource<'a> {
+    pub(crate) fn new(base_dir: Option<&'a Path>, options: &'a RobotOptions) -> Self {
+        Self { base_dir, options, known: RefCell::default() }
+    }
 }
 
 impl SolidSource<'_> {
@@ -283,11 +295,9 @@ impl SolidSource<'_> {
             LinkForm::Hull { points } => Solid::hull(points),
             LinkForm::Mesh { name, scale, .. } => {
                 let path = self.find(link, collision, name)?;
-                TriangleSoup::load(&path, *scale).and_then(|triangles| {
-                    let is_solid = self.options.meshes == MeshUse::Solid
-                        || self.options.solid_meshes.contains(&link.name);
-                    let solid =
-                        if is_solid { Solid::mesh(&triangles) } else { Solid::hull(&triangles.vertices) };
+                let is_solid =
+                    self.options.meshes == MeshUse::Solid || self.options.solid_meshes.contains(&link.name);
+                self.mesh(path, scale, is_solid).map(|(solid, triangles)| {
                     soup = Some(triangles);
                     solid
                 })
@@ -299,6 +309,23 @@ impl SolidSource<'_> {
             reason: Box::new(reason),
         })?;
         Ok(LinkShape { link_from_shape: collision.link_from_shape, solid, soup })
+    }
+
+    fn mesh(
+        &self,
+        path: PathBuf,
+        scale: &Vector,
+        is_solid: bool,
+    ) -> Result<(Solid, TriangleSoup), ShapeError> {
+        let key = (path, [scale.x, scale.y, scale.z].map(f64::to_bits), is_solid);
+        if let Some(known) = self.known.borrow().get(&key) {
+            return Ok(known.clone());
+        }
+        let triangles = TriangleSoup::load(&key.0, *scale)?;
+        let solid = if is_solid { Solid::mesh(&triangles) } else { Solid::hull(&triangles.vertices) };
+        let read = (solid?, triangles);
+        self.known.borrow_mut().insert(key, read.clone());
+        Ok(read)
     }
 
     /// Returns the colour of a solid: that of the visual of the same shape and pose, else of the first visual with a colour, else of

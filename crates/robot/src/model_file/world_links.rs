@@ -63,7 +63,7 @@ impl ModelText {
         let still = Resolved { group: Vec::new(), tip: 0, values, notes: Vec::new() };
         let (_, _, root_from_link) = motions(&urdf, &tree, &still);
         let options = RobotOptions { packages: folders.to_vec(), ..RobotOptions::default() };
-        let source = SolidSource { base_dir: path.parent(), options: &options };
+        let source = SolidSource::new(path.parent(), &options);
         let mut links = Vec::new();
         for (node, root_from_link) in tree.nodes.iter().zip(&root_from_link) {
             let link = &urdf.links[node.link];

@@ -68,7 +68,8 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
     let file: ScenarioFile = yaml::read(&path)?;
     let id = scenario::id_of(folder);
     let mut contents = BTreeMap::new();
-    collect(folder, "", &mut contents)?;
+    // An archive that lies in the folder is no part of it.
+    collect(folder, "", fs::canonicalize(archive).ok().as_deref(), &mut contents)?;
     let is_own_robot = BuiltinRobot::of_name(&file.robot.value).is_none();
     if is_own_robot && (is_named_by_place(&file, folder) || open_alone(&id, &contents).is_err()) {
         bring_robot(&file, folder, &mut contents)?;
@@ -187,7 +188,7 @@ pub(crate) fn contents_of_archive(archive: &Path) -> Result<BTreeMap<String, Vec
 /// Returns the files of a folder by path, as they would be packed.
 pub(crate) fn contents_of_folder(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, ScenarioError> {
     let mut contents = BTreeMap::new();
-    collect(folder, "", &mut contents)?;
+    collect(folder, "", None, &mut contents)?;
     Ok(contents)
 }
 
@@ -195,6 +196,7 @@ pub(crate) fn contents_of_folder(folder: &Path) -> Result<BTreeMap<String, Vec<u
 fn collect(
     folder: &Path,
     prefix: &str,
+    besides: Option<&Path>,
     contents: &mut BTreeMap<String, Vec<u8>>,
 ) -> Result<(), ScenarioError> {
     let unreadable = |path: &Path, reason| ScenarioError::Unreadable { path: path.to_owned(), reason };
@@ -210,8 +212,8 @@ fn collect(
             return Err(fault(&path, "is a link, and what it leads to may be outside the folder"));
         }
         if kind.is_dir() {
-            collect(&path, &format!("{prefix}{name}/"), contents)?;
-        } else {
+            collect(&path, &format!("{prefix}{name}/"), besides, contents)?;
+        } else if besides.is_none_or(|besides| fs::canonicalize(&path).is_ok_and(|path| path != besides)) {
             let bytes = MESH.bytes(&path).map_err(|reason| unreadable(&path, reason))?;
             contents.insert(format!("{prefix}{name}"), bytes);
         }

@@ -8,6 +8,7 @@ use cranny_robot::{LimitViolation, Robot};
 use cranny_shape::Solid;
 use cranny_spatial::Pose;
 
+use crate::files::mesh_solids::MeshSolids;
 use crate::files::number_table;
 use crate::files::yaml;
 use crate::layout::archive::Unpacked;
@@ -59,7 +60,9 @@ pub fn check_folder(folder: &Path) -> Result<Vec<ScenarioError>, ScenarioError> 
     // An unreadable goal is a goal.
     let has_goal = legible.as_ref().is_some_and(|legible| has_goal(&legible.file))
         || text.lines().any(|line| GOALS.iter().any(|key| is_key_of(line, key)));
-    let robot = legible.map(|legible| legible.check(&Layout { folder, path: &path }, &mut faults));
+    let robot = legible.map(|legible| {
+        legible.check(&Layout { folder, path: &path, meshes: MeshSolids::default() }, &mut faults)
+    });
     // The grasps file is optional if there is a target, of which the planner can compute grasps, or a region.
     let grasps = folder.join(GRASPS_FILE);
     if !has_goal || is_there(&grasps)? {

@@ -7,12 +7,13 @@ use cranny_file::{TABLE, TEXT, did_you_mean};
 use cranny_grasp::{GraspError, GraspSet, parse_csv};
 use cranny_robot::{JointGroup, Location, Robot, RobotOptions, TextSource};
 use cranny_sense::{View, Views};
-use cranny_shape::{ShapeError, Solid, TriangleSoup};
+use cranny_shape::{ShapeError, Solid};
 use cranny_spatial::{EXACT_ROTATION_RAD, Pose, Rotation, Vector};
 use cranny_task::{PlaceGoal, PlaceRegion};
 use serde_saphyr::Spanned;
 
 use crate::cloud_obstacle::cloud_obstacle;
+use crate::files::mesh_solids::{MeshSolids, SolidOfMesh};
 use crate::files::{number_table, sizes, yaml};
 use crate::layout::own_file::{
     BodyEntry, MeshEntry, PlaceEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry,
@@ -76,7 +77,7 @@ pub(crate) fn open_texts(
     let folder = &texts.folder;
     let path = folder.join(FILE);
     let file: ScenarioFile = yaml::parse(&path, &texts.scenario)?;
-    let layout = Layout { folder, path: &path };
+    let layout = Layout { folder, path: &path, meshes: MeshSolids::default() };
     let (robot, robot_source) = layout.robot(&file, options)?;
     let robot = layout.with_bounded_joints(robot, &file)?;
     let planning_from_scene = layout.pose(file.frame.as_ref())?.inverse();
@@ -164,9 +165,6 @@ pub(crate) fn open_texts(
 
 pub(crate) const FLOOR: &str = "floor";
 
-/// Function that makes a solid of a mesh file: [`Solid::mesh`] for a target, [`Solid::mesh_with_small_holes`] for an obstacle.
-pub(crate) type SolidOfMesh = fn(&TriangleSoup) -> Result<Solid, ShapeError>;
-
 /// Body as read.
 pub(crate) struct ReadBody {
     pub body: Body,
@@ -183,6 +181,8 @@ type ReadShape = (Solid, Option<ObjectSource>, Option<CloudCounts>);
 pub(crate) struct Layout<'a> {
     pub folder: &'a Path,
     pub path: &'a Path,
+    /// Meshes that were read.
+    pub meshes: MeshSolids,
 }
 
 impl Layout<'_> {
@@ -428,6 +428,10 @@ impl Layout<'_> {
         Ok(Pose::from_parts(Vector::from(entry.position).into(), rotation))
     }
 
+    fn mesh_solid(&self, entry: &MeshEntry, of_mesh: Option<SolidOfMesh>) -> Result<Solid, ShapeError> {
+        self.meshes.solid(self.folder.join(&entry.file), entry.scale, of_mesh)
+    }
+
     /// Returns the solid of a shape.
     fn solid(
         &self,
@@ -442,8 +446,8 @@ impl Layout<'_> {
         solids.extend(sphere.iter().map(|entry| Solid::sphere(entry.radius)));
         solids.extend(cylinder.iter().map(|entry| sizes::cylinder(entry.length, entry.radius)));
         solids.extend(capsule.iter().map(|entry| sizes::capsule(entry.length, entry.radius)));
-        solids.extend(mesh.iter().map(|entry| self.solid_of_file(entry, of_mesh)));
-        solids.extend(hull.iter().map(|entry| self.solid_of_file(entry, |soup| Solid::hull(&soup.vertices))));
+        solids.extend(mesh.iter().map(|entry| self.mesh_solid(entry, Some(of_mesh))));
+        solids.extend(hull.iter().map(|entry| self.mesh_solid(entry, None)));
         let in_file = |fault| ScenarioError::At { at: at.clone(), fault: Box::new(fault) };
         let source = object.as_ref().map(|name| self.object(name)).transpose().map_err(in_file)?;
         if let Some(source) = &source {
@@ -481,15 +485,5 @@ impl Layout<'_> {
         };
         let (what, hint) = ("a cloud of points as the target", "give its mesh, at its pose");
         Err(ScenarioError::Unsupported { at: self.at(shape.referenced), what, hint })
-    }
-
-    fn solid_of_file(
-        &self,
-        entry: &MeshEntry,
-        solid_of: impl Fn(&TriangleSoup) -> Result<Solid, ShapeError>,
-    ) -> Result<Solid, ShapeError> {
-        let path = self.folder.join(&entry.file);
-        let soup = TriangleSoup::load(&path, Vector::repeat(entry.scale.unwrap_or(1.0)))?;
-        solid_of(&soup).map_err(|fault| fault.in_file(&path))
     }
 }

@@ -1,3 +1,4 @@
+use std::collections::HashSet;
 use std::fmt;
 use std::path::Path;
 
@@ -148,7 +149,8 @@ impl Source<'_> {
     pub fn check_names(&self, entries: &[Spanned<CameraEntry>]) -> Result<(), SenseError> {
         /// Maximum length of a name, in bytes.
         const LONGEST: usize = 64;
-        for (index, entry) in entries.iter().enumerate() {
+        let mut taken = HashSet::new();
+        for entry in entries {
             let name = &entry.value.name;
             let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
             if name.value.is_empty() || name.value.len() > LONGEST || !name.value.chars().all(is_plain) {
@@ -156,7 +158,7 @@ impl Source<'_> {
                 return Err(self.fault(name, problem));
             }
             // Some file systems do not distinguish small letters from capitals.
-            if entries[..index].iter().any(|other| other.value.name.value.eq_ignore_ascii_case(&name.value)) {
+            if !taken.insert(name.value.to_ascii_lowercase()) {
                 return Err(
                     self.fault(name, format!("the name '{}' is taken by a camera before", name.value))
                 );

@@ -16,6 +16,9 @@ pub const VIEWS_FILE: &str = "views.yaml";
 /// Format of the file.
 const FORMAT: &str = "cranny-views/1";
 
+/// Maximum number of pixels of all views together: four images of 1280 × 720, or 54 of 320 × 240.
+const MOST_PIXELS: usize = 1 << 22;
+
 /// Views with the segments that they show, as a folder of files holds them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Views {
@@ -84,9 +87,18 @@ impl Views {
                 Err(source.fault(name, "give the name of a file in the folder of views.yaml"))
             }
         };
+        let mut pixels = 0;
         let view = |entry: &Spanned<CameraEntry>| {
             let own = &entry.value;
             let (camera, frame, sensor) = CameraEntry::camera(entry, &source, of_file)?;
+            pixels += camera.width_px.saturating_mul(camera.height_px);
+            if pixels > MOST_PIXELS && !cranny_file::are_limits_lifted() {
+                let problem = format!(
+                    "up to this view there are {pixels} pixels, of which a map keeps some 250 bytes each; the limit is \
+                     {MOST_PIXELS} (give fewer or smaller images, or --large-files)"
+                );
+                return Err(source.fault(entry, problem));
+            }
             if frame != CameraFrame::World {
                 return Err(source.fault(entry, "the pose of a view is in the frame `world`"));
             }

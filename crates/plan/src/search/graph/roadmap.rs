@@ -181,6 +181,8 @@ impl Roadmap {
     fn component(&mut self, node: usize) -> usize {
         let mut root = node;
         while self.components[root] != root {
+            // Each node on the path skips one: the next search is half as long.
+            self.components[root] = self.components[self.components[root]];
             root = self.components[root];
         }
         self.components[node] = root;
