@@ -19,7 +19,7 @@ pub fn check(path: &Path, kind: FileKind, output: Output) -> Result<(), Failure>
         Err(reason) if reason.kind() == std::io::ErrorKind::NotFound => return Ok(()),
         head => head.map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?,
     };
-    if head.starts_with(DATABASE) {
+    if DATABASE.iter().any(|begin| head.starts_with(begin)) {
         Err(Failure::Database { path: path.to_owned() })
     } else if output.force || head.is_empty() || kind.is_that_of(&head) {
         Ok(())
@@ -28,8 +28,10 @@ pub fn check(path: &Path, kind: FileKind, output: Output) -> Result<(), Failure>
     }
 }
 
-/// First bytes of a database of `SQLite`.
-const DATABASE: &[u8] = b"SQLite format 3\0";
+/// First bytes of a database of `SQLite`, of its write-ahead log in both orders of bytes, and of its journal
+/// (<https://sqlite.org/fileformat.html>).
+const DATABASE: [&[u8]; 4] =
+    [b"SQLite format 3\0", b"\x37\x7f\x06\x82", b"\x37\x7f\x06\x83", b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7"];
 
 /// Refuses a file in a folder that does not exist.
 pub fn check_folder(path: &Path) -> Result<(), Failure> {

@@ -210,38 +210,50 @@ os._exit(0)
     all_gave_up(enclosed(large_buffers, &limit));
 }
 
-/// Pages that a process releases stay in shared memory, but in no resident set.
+/// Pages that a process releases stay in shared memory, but belong to no process.
 #[test]
-fn shared_memory_without_a_name_is_counted_whole_and_once() {
-    let limit = ["--runs", "1", "--memory-limit", "200", "--time-limit", "5"];
-    let released = "
+fn shared_memory_without_a_name_is_refused() {
+    let text = "
 import mmap
-held = mmap.mmap(-1, 300 << 20)
-for piece in range(0, len(held), 10 << 20):
-    held[piece:piece + (10 << 20)] = bytes(10 << 20)
-    held.madvise(mmap.MADV_DONTNEED, piece, 10 << 20)
-time.sleep(20)
-";
-    all_are_out_of_memory(enclosed(released, &limit));
-    let beside_files = "
-import mmap
-held = mmap.mmap(-1, 120 << 20)
-held[:] = bytes(120 << 20)
-open('file', 'wb').write(bytes(120 << 20))
-time.sleep(20)
-";
-    all_are_out_of_memory(enclosed(beside_files, &limit));
-    let shared = "
-import mmap
-held = mmap.mmap(-1, 100 << 20)
-held[:] = bytes(100 << 20)
-if os.fork() == 0:
-    held[:] = bytes(100 << 20)
-    os._exit(0)
-os.wait()
+try:
+    mmap.mmap(-1, 4096)
+    end('memory without a file')
+except PermissionError:
+    pass
+try:
+    open('/dev/zero', 'r+b')
+    end('memory of a device')
+except PermissionError:
+    pass
+# Memory of its own, and memory of a file, as far as the limit permits.
+mmap.mmap(-1, 4096, flags=mmap.MAP_PRIVATE)[:] = bytes(4096)
+file = open('file', 'w+b')
+file.truncate(1 << 20)
+mmap.mmap(file.fileno(), 1 << 20)[:] = bytes(1 << 20)
 os._exit(0)
 ";
-    all_gave_up(enclosed(shared, &limit));
+    all_gave_up(enclosed(text, &["--runs", "1"]));
+}
+
+#[test]
+fn sockets_that_are_sent_between_processes_count_and_copies_of_files_do_not() {
+    let limit = ["--runs", "1", "--memory-limit", "200", "--time-limit", "5"];
+    let in_flight = "
+import array
+one, other = socket.socketpair()
+for _ in range(900):
+    pair = socket.socketpair()
+    rights = array.array('i', [own.fileno() for own in pair])
+    one.sendmsg([b'x'], [(socket.SOL_SOCKET, socket.SCM_RIGHTS, rights)])
+time.sleep(20)
+";
+    all_are_out_of_memory(enclosed(in_flight, &limit));
+    let copies = "
+held = [os.dup(0) for _ in range(3000)]
+time.sleep(1)
+os._exit(0)
+";
+    all_gave_up(enclosed(copies, &limit));
 }
 
 #[test]
@@ -254,7 +266,7 @@ for command in (1036, 1038):
         end('a hint')
     except OSError:
         pass
-memory = mmap.mmap(-1, 4096)
+memory = mmap.mmap(-1, 4096, flags=mmap.MAP_PRIVATE)
 begin = ctypes.addressof(ctypes.c_char.from_buffer(memory))
 if libc.mincore(ctypes.c_void_p(begin), ctypes.c_size_t(4096), ctypes.create_string_buffer(1)) == 0:
     end('pages in memory')

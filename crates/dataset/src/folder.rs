@@ -193,7 +193,10 @@ impl DatasetFolder {
         let mut chunks = Vec::new();
         for entry in std::fs::read_dir(&folder).map_err(failed)? {
             let name = entry.map_err(failed)?.file_name();
-            let number = name.to_str().and_then(|name| name.strip_suffix(".parquet")?.parse().ok());
+            let number: Option<u64> =
+                name.to_str().and_then(|name| name.strip_suffix(".parquet")?.parse().ok());
+            // Another spelling of the number is another file.
+            let number = number.filter(|number| self.files(*number)[1].file_name() == Some(&name));
             if let Some(chunk) = number.filter(|chunk| *chunk < all && shard.has(*chunk))
                 && self.has(chunk)?
             {

@@ -45,7 +45,7 @@ pub use machine::{machine_name, processor_name};
 pub use plain_file::{FileIdentity, open_plain_file};
 pub use process::{
     PeakMemory, ProcessMemory, adopt_orphans, beginning, children, close_to_others, ending, is_killed,
-    kill_group, kill_process, memory, open_files, own_memory, reap, stop_process, unnamed_shared_memory,
+    kill_group, kill_process, memory, open_files, own_memory, own_sockets, reap, stop_process,
 };
 pub use shortage::is_shortage;
 pub use signals::stop_signals;

@@ -353,7 +353,13 @@ impl Campaign {
             }
         }
         let is_shown = |name: &str| {
-            !name.trim().is_empty() && name.chars().count() <= LONGEST_NAME && visible_line(name) == name
+            // Another blank looks like none, or like a plain one.
+            let is_other_blank = |c: char| c != ' ' && (c.is_whitespace() || c == '\u{2800}');
+            !name.is_empty()
+                && name.trim() == name
+                && name.chars().count() <= LONGEST_NAME
+                && visible_line(name) == name
+                && !name.contains(is_other_blank)
         };
         if let Some(planner) = self.planners.iter().find(|planner| !is_shown(&planner.name)) {
             return Err(BenchError::PlannerLetters { name: planner.name.clone() });

@@ -281,9 +281,9 @@ fn watch(
         if begin.elapsed() >= limits.time {
             return Some(Ending::Hung);
         }
-        let Census { processes, bytes, shared_bytes, unnamed_bytes } = family.count(limits.memory_bytes);
+        let Census { processes, bytes, shared_bytes } = family.count();
         let written = files.measure(limits.memory_bytes);
-        let bytes = bytes.saturating_add(written.with_shared(shared_bytes, unnamed_bytes));
+        let bytes = bytes.saturating_add(written.with_shared(shared_bytes));
         *most_bytes = bytes.max(*most_bytes);
         if bytes > limits.memory_bytes {
             return Some(Ending::OutOfMemory { bytes, scratch_bytes: written.scratch });

@@ -74,18 +74,19 @@ pub struct Family {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Census {
     pub processes: usize,
-    /// Memory without shared memory, with page tables and open files beyond [`FREE_FILES`].
+    /// Memory without shared memory, with page tables and sockets beyond [`FREE_SOCKETS`].
     pub bytes: u64,
     /// Resident shared memory.
     pub shared_bytes: u64,
-    /// Shared memory without a name, resident or not; 0 if all address spaces together are within the limit.
-    pub unnamed_bytes: u64,
 }
 
-/// Number of open files of a family whose memory does not count, and memory of each further one: the default size of the buffer
-/// of a socket, which belongs to no process.
-const FREE_FILES: u64 = 512;
-const FILE_BYTES: u64 = 208 << 10;
+/// Number of sockets whose memory does not count, and memory of each further one: the default size of its buffer, which belongs
+/// to no process.
+const FREE_SOCKETS: u64 = 512;
+const SOCKET_BYTES: u64 = 208 << 10;
+
+/// Number of open files that may be sockets, where a program shares the sockets of the machine.
+const FREE_FILES: u64 = 2048;
 
 impl Family {
     /// Creates the family of `root`, which is not a member itself.
@@ -101,10 +102,10 @@ impl Family {
         Self { enclosing: enclosing.to_vec(), ..Self::of(root) }
     }
 
-    /// Updates the members and counts those that do not enclose a program, whose memory has a limit in bytes.
-    pub fn count(&mut self, limit: u64) -> Census {
+    /// Updates the members and counts those that do not enclose a program.
+    pub fn count(&mut self) -> Census {
         let mut census = Census::default();
-        let (mut files, mut virtual_bytes, mut members) = (0_u64, 0_u64, Vec::new());
+        let (mut files, mut sockets) = (0_u64, None);
         self.seen.retain(|process, began| system::beginning(*process) == Some(*began));
         let mut left: Vec<u32> = self.seen.keys().copied().chain([self.root]).collect();
         let mut counted = BTreeSet::new();
@@ -119,23 +120,15 @@ impl Family {
                     let memory = system::memory(process).unwrap_or_default();
                     census.bytes +=
                         memory.resident_bytes.saturating_sub(memory.shared_bytes) + memory.other_bytes;
-                    virtual_bytes = virtual_bytes.saturating_add(memory.virtual_bytes);
-                    members.push(process);
                     census.shared_bytes += memory.shared_bytes;
                     census.processes += 1;
                     files += system::open_files(process);
+                    sockets = sockets.or_else(|| system::own_sockets(process));
                 }
             }
         }
-        census.bytes += files.saturating_sub(FREE_FILES).saturating_mul(FILE_BYTES);
-        if virtual_bytes > limit {
-            let mut unnamed: BTreeMap<u64, u64> = BTreeMap::new();
-            for (inode, bytes) in members.into_iter().flat_map(system::unnamed_shared_memory) {
-                let size = unnamed.entry(inode).or_default();
-                *size = bytes.max(*size);
-            }
-            census.unnamed_bytes = unnamed.into_values().fold(0, u64::saturating_add);
-        }
+        let beyond = sockets.map_or(files.saturating_sub(FREE_FILES), |own| own.saturating_sub(FREE_SOCKETS));
+        census.bytes += beyond.saturating_mul(SOCKET_BYTES);
         census
     }
 

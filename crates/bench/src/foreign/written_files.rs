@@ -28,11 +28,11 @@ pub struct WrittenBytes {
 }
 
 impl WrittenBytes {
-    /// Returns the size that counts in addition to the memory that processes do not share. They have `resident` bytes of shared
-    /// memory, of files or without a name, and `unnamed` bytes of the latter, resident or not.
-    pub fn with_shared(self, resident: u64, unnamed: u64) -> u64 {
+    /// Returns the size that counts in addition to the memory that processes do not share; they have `resident` bytes of shared
+    /// memory.
+    pub fn with_shared(self, resident: u64) -> u64 {
         let Self { scratch, shared, are_memory } = self;
-        if are_memory { (scratch + shared + unnamed).max(resident) } else { scratch + unnamed.max(resident) }
+        if are_memory { (scratch + shared).max(resident) } else { scratch + resident }
     }
 }
 

@@ -159,7 +159,7 @@ impl WorkerProcess {
                         let ended = self.ended(trial, TrialOutcome::Hung, detail, begin.elapsed());
                         return undecided(ended, searched_s);
                     }
-                    self.family.count(u64::MAX);
+                    self.family.count();
                     let held = self.resident_bytes();
                     if let (Some(held), Some(most)) = (held, memory_bytes)
                         && held > most

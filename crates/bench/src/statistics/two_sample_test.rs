@@ -52,8 +52,8 @@ impl TwoSampleTest {
         let welch = Welch::of(&times);
         let blocks = Blocks::of(&scores, &welch.sums_of(&times), first.len());
         let (mut excesses, mut differences) = (Vec::new(), Vec::new());
-        let [of_first, of_second] = blocks.counts;
-        for_each_division(of_first, of_second, draws_for(tests), |members| {
+        let [drawn, others] = blocks.counts;
+        for_each_division(drawn, others, draws_for(tests), |members| {
             let group = blocks.group(members);
             excesses.push(group.score);
             differences.push(welch.difference(&group));
@@ -171,12 +171,15 @@ impl<'a> AreaWithout<'a> {
 const MOST_BLOCKS: usize = 1000;
 
 /// Blocks of successive trials of one group, all of the same size, which change groups together. A rest of fewer trials than a
-/// block stays in the first group.
+/// block stays in its group.
 struct Blocks {
+    /// Blocks of the group that is drawn, then those of the other one.
     sums: Vec<Sums>,
-    /// Number of blocks of each group.
     counts: [usize; 2],
-    rest_of_first: Sums,
+    /// Rest of the group that is drawn.
+    rest: Sums,
+    /// Sums over all trials, if the second group is drawn: the smaller one of large groups.
+    whole: Option<Sums>,
 }
 
 /// Sums over trials: their log-rank scores, their times relative to the first time of all, and the squares of these.
@@ -199,6 +202,17 @@ impl Sums {
     }
 }
 
+impl Sums {
+    fn without(self, other: &Self) -> Self {
+        Self {
+            count: self.count - other.count,
+            score: self.score - other.score,
+            time: self.time - other.time,
+            square: self.square - other.square,
+        }
+    }
+}
+
 impl Blocks {
     /// Divides trials, of which the first `first` are the first group.
     fn of(scores: &[f64], times: &[[f64; 2]], first: usize) -> Self {
@@ -210,15 +224,18 @@ impl Blocks {
         let (first, second) = trials.split_at(first);
         let size = first.len().min(second.len()).div_ceil(MOST_BLOCKS).max(1);
         let total = |trials: &[Sums]| trials.iter().fold(Sums::default(), Sums::with);
-        let blocks = [first, second].map(|group| group.chunks_exact(size));
+        let whole = (size > 1 && first.len() > second.len()).then(|| total(&trials));
+        let groups = if whole.is_some() { [second, first] } else { [first, second] };
+        let blocks = groups.map(|group| group.chunks_exact(size));
         let counts = blocks.each_ref().map(ExactSizeIterator::len);
-        let rest_of_first = total(blocks[0].remainder());
-        Self { sums: blocks.into_iter().flatten().map(total).collect(), counts, rest_of_first }
+        let rest = total(blocks[0].remainder());
+        Self { sums: blocks.into_iter().flatten().map(total).collect(), counts, rest, whole }
     }
 
-    /// Sums of the first group if it consists of these blocks.
+    /// Sums of the first group if the drawn one consists of these blocks.
     fn group(&self, members: &[usize]) -> Sums {
-        members.iter().map(|&block| &self.sums[block]).fold(self.rest_of_first, Sums::with)
+        let drawn = members.iter().map(|&block| &self.sums[block]).fold(self.rest, Sums::with);
+        self.whole.map_or(drawn, |whole| whole.without(&drawn))
     }
 }
 

@@ -11,11 +11,13 @@ use crate::store::results_file::{APPLICATION, beside, folder_of};
 /// Returns the real paths of all results files in the folder of `path`, each with the files that `SQLite` keeps beside it. A process
 /// that has one of them open must not call this: closing a file releases all locks of its process on it.
 pub fn results_beside(path: &Path) -> Vec<PathBuf> {
-    /// More than any folder of results has: each file is looked at once for each trial.
+    /// More than any folder of results has: each file is examined once for each trial.
     const MOST_FILES: usize = 100_000;
     let Ok(path) = fs::canonicalize(path) else { return Vec::new() };
     let entries = fs::read_dir(folder_of(&path)).into_iter().flatten().flatten().take(MOST_FILES);
+    // A link hides the file that it leads to, with its log.
     let others = entries.map(|entry| entry.path()).filter(|other| *other != path && is_results(other));
+    let others = others.filter_map(|other| fs::canonicalize(other).ok());
     let with_logs = |path: PathBuf| {
         let logs = ["-wal", "-shm", "-journal"].map(|ending| beside(&path, ending));
         std::iter::once(path).chain(logs)
@@ -30,7 +32,7 @@ fn is_results(path: &Path) -> bool {
     const MARK_OFFSET: usize = 68;
     /// A database consists of pages, whose size is a multiple of this.
     const PAGE: u64 = 512;
-    if fs::symlink_metadata(path).is_ok_and(|facts| facts.len() % PAGE != 0 || facts.len() == 0) {
+    if fs::metadata(path).is_ok_and(|facts| facts.len() % PAGE != 0 || facts.len() == 0) {
         return false;
     }
     let mut header = [0; MARK_OFFSET + 4];

@@ -62,7 +62,7 @@ impl<'a> ClusterScripts<'a> {
             Some(local) => (
                 format!(
                     "local={}/cranny-$SLURM_JOB_ID\nmkdir -p \"$local\" || exit 1\n\
-                     test -e \"$results\" && cp \"$results\"* \"$local\"\nshared=$results\n\
+                     if test -e \"$results\"; then\n    cp \"$results\"* \"$local\" || exit 1\nfi\nshared=$results\n\
                      results=$local/${{shared##*/}}\n",
                     on_node(local)?
                 ),
@@ -70,7 +70,7 @@ impl<'a> ClusterScripts<'a> {
                 // the final name is complete.
                 format!(
                     "{program} bench status \"$results\" > /dev/null\n\
-                     if test ! -s \"$results-wal\" && cp \"$results\" \"$shared.partial\" && \
+                     if test $? -le 1 && test ! -s \"$results-wal\" && cp \"$results\" \"$shared.partial\" && \
                      mv \"$shared.partial\" \"$shared\"; then\n    rm -r \"$local\"\nelse\n    \
                      echo \"the results stay in $local\" >&2\nfi\n",
                     program = self.program,

@@ -13,7 +13,7 @@ pub fn has_call_filter() -> bool {
 /// Denies system calls to this thread, and to all processes and threads that it starts from now on. They fail with EPERM:
 ///
 /// - keys of the kernel, which outlive a process, and typing into a terminal;
-/// - memory in files without a name, which is not attributed to a process;
+/// - memory in files without a name and shared memory without a file, which are not attributed to a process;
 /// - leases, by which a reader of a file can delay everybody who opens it;
 /// - hints of files and questions about their pages in memory, by which a program can leave notes for the next one;
 /// - sockets of families that no network namespace separates, such as `AF_VSOCK`;
@@ -89,11 +89,14 @@ mod linux {
         let of_pages = vec![SeccompRule::new(vec![argument(5, MaskedEq(no_wait), no_wait)?])?];
         let others = FAMILIES.iter().map(|family| argument(0, Ne, u64::from(family.unsigned_abs())));
         let others = vec![SeccompRule::new(others.collect::<Result<_, _>>()?)?];
+        let unnamed = u64::from((libc::MAP_SHARED | libc::MAP_ANONYMOUS).unsigned_abs());
+        let unnamed = vec![SeccompRule::new(vec![argument(3, MaskedEq(unnamed), unnamed)?])?];
         let mut denied: Rules = DENIED.into_iter().map(|call| (call, Vec::new())).collect();
         denied.extend([
             (libc::SYS_ioctl, typing),
             (libc::SYS_fcntl, of_files),
             (libc::SYS_preadv2, of_pages),
+            (libc::SYS_mmap, unnamed),
             (libc::SYS_socket, others.clone()),
             (libc::SYS_socketpair, others),
         ]);

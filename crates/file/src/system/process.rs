@@ -1,4 +1,3 @@
-use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::Path;
@@ -11,8 +10,6 @@ pub struct ProcessMemory {
     pub resident_bytes: u64,
     /// Shared memory within the resident set.
     pub shared_bytes: u64,
-    /// Size of the address space.
-    pub virtual_bytes: u64,
     /// Page tables and reserved huge pages, which are not within the resident set.
     pub other_bytes: u64,
     /// Peak of the resident set size, since the start of the process or since [`PeakMemory::begin`].
@@ -135,33 +132,21 @@ fn memory_in(status: &Path) -> Option<ProcessMemory> {
     Some(ProcessMemory {
         resident_bytes: bytes("VmRSS:")?,
         shared_bytes: bytes("RssShmem:").unwrap_or_default(),
-        virtual_bytes: bytes("VmSize:").unwrap_or_default(),
         other_bytes: ["VmPTE:", "HugetlbPages:"].into_iter().filter_map(bytes).sum(),
         peak_bytes: bytes("VmHWM:").unwrap_or_default(),
     })
 }
 
-/// Returns the sizes in bytes of the shared memory without a name that a process maps, by the number of its inode (Linux). A
-/// page that the process has released stays in this memory, but in no resident set.
-pub fn unnamed_shared_memory(process: u32) -> BTreeMap<u64, u64> {
-    let mut sizes = BTreeMap::new();
-    let maps = fs::read_to_string(format!("/proc/{process}/maps")).unwrap_or_default();
-    // proc_pid_maps(5): address range, permissions, offset, device, inode and path.
-    for line in maps.lines().filter(|line| line.ends_with("/dev/zero (deleted)")) {
-        let mut words = line.split_whitespace();
-        let hexadecimal = |word: Option<&str>| u64::from_str_radix(word?, 16).ok();
-        let range = words.next().and_then(|range| {
-            let (begin, end) = range.split_once('-')?;
-            hexadecimal(Some(end))?.checked_sub(hexadecimal(Some(begin))?)
-        });
-        let offset = hexadecimal(words.nth(1));
-        let inode = words.nth(1).and_then(|inode| inode.parse().ok());
-        if let (Some(length), Some(offset), Some(inode)) = (range, offset, inode) {
-            let size: &mut u64 = sizes.entry(inode).or_default();
-            *size = (*size).max(offset + length);
-        }
+/// Returns the number of sockets in the network namespace of a process, also of those that are sent between processes; `None`
+/// if this process shares the namespace, and on systems other than Linux.
+pub fn own_sockets(process: u32) -> Option<u64> {
+    let namespace = |process: &str| fs::read_link(format!("/proc/{process}/ns/net")).ok();
+    let process = process.to_string();
+    if namespace(&process)? == namespace("self")? {
+        return None;
     }
-    sizes
+    let statistics = fs::read_to_string(format!("/proc/{process}/net/sockstat")).ok()?;
+    statistics.lines().find_map(|line| line.strip_prefix("sockets: used ")?.trim().parse().ok())
 }
 
 /// Returns the number of open file descriptors of a process; 0 if unknown, and on systems other than Linux.

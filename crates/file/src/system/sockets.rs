@@ -1,7 +1,8 @@
 use std::path::PathBuf;
 
 /// Returns the paths of all sockets of the Unix domain in the network namespaces of all visible processes, except for abstract
-/// names (Linux); empty elsewhere. A relative name is looked for in the present folders of these processes.
+/// names, and of all sockets in their folders, which may have another name now (Linux); empty elsewhere. A relative name is looked
+/// for in the present folders of these processes.
 pub fn socket_paths() -> Vec<PathBuf> {
     #[cfg(target_os = "linux")]
     return linux::socket_paths();
@@ -14,7 +15,7 @@ mod linux {
     use std::collections::BTreeSet;
     use std::fs;
     use std::os::unix::fs::FileTypeExt as _;
-    use std::path::PathBuf;
+    use std::path::{Path, PathBuf};
 
     pub fn socket_paths() -> Vec<PathBuf> {
         let names = fs::read_dir("/proc").into_iter().flatten().flatten();
@@ -40,13 +41,13 @@ mod linux {
             let folders: BTreeSet<PathBuf> =
                 processes.iter().filter_map(|process| fs::read_link(process.join("cwd")).ok()).collect();
             let below = folders.iter().flat_map(|folder| relative.iter().map(|path| folder.join(path)));
-            found.extend(
-                below.filter(|path| {
-                    fs::symlink_metadata(path).is_ok_and(|facts| facts.file_type().is_socket())
-                }),
-            );
+            found.extend(below);
         }
-        found
+        let folders: BTreeSet<&Path> = found.iter().filter_map(|path| path.parent()).collect();
+        let entries =
+            folders.into_iter().flat_map(|folder| fs::read_dir(folder).into_iter().flatten().flatten());
+        let sockets = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_socket()));
+        sockets.map(|entry| entry.path()).collect()
     }
 
     /// Returns the path in a row of `/proc/net/unix`: the eighth column (`proc_net`(5)), which may contain blanks.

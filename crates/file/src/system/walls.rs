@@ -41,9 +41,10 @@ pub fn write_only_in(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Devices for all programs, terminals of their own, and graphics processors, which also compute.
+/// Devices for all programs, terminals of their own, and graphics processors, which also compute. A program that can write to `zero`
+/// has shared memory that no process owns.
 #[cfg(target_os = "linux")]
-const DEVICES: [&str; 10] = ["null", "zero", "full", "random", "urandom", "tty", "ptmx", "pts", "dri", "kfd"];
+const DEVICES: [&str; 9] = ["null", "full", "random", "urandom", "tty", "ptmx", "pts", "dri", "kfd"];
 
 #[cfg(target_os = "linux")]
 fn landlocked(folder: &Path) -> Result<(), landlock::RulesetError> {
