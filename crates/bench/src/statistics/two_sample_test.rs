@@ -200,9 +200,7 @@ impl Sums {
             square: self.square + other.square,
         }
     }
-}
 
-impl Sums {
     fn without(self, other: &Self) -> Self {
         Self {
             count: self.count - other.count,
