@@ -231,8 +231,8 @@ pub enum BenchError {
     },
     /// The name of a planner has characters that tables and lists cannot show.
     #[error(
-        "the name of planner '{}' is empty, longer than 200 characters, begins or ends with a blank, or has a character that cannot be seen; give it another \
-         `name`",
+        "the name of planner '{}' is empty, longer than 200 characters, begins or ends with a blank, or has a \
+         character that cannot be seen; give it another `name`",
         excerpt(&visible_line(name))
     )]
     PlannerLetters {

@@ -132,6 +132,19 @@ fn a_file_that_is_refused_leaves_none_of_the_others_merged() {
     assert_eq!(Results::open(&files.path("into.db")).expect("results").count().expect("a count"), 2);
 }
 
+/// As after `mktemp`.
+#[test]
+fn several_files_are_merged_into_an_empty_one() {
+    let files = Files::new();
+    for (name, machine, seeds) in [("one.db", "a", 0..2), ("two.db", "b", 2..4)] {
+        drop(results(&files.path(name), machine, seeds));
+    }
+    std::fs::write(files.path("into.db"), "").expect("written");
+    let others = [files.path("one.db"), files.path("two.db")];
+    let (merged, _) = Results::merged(&files.path("into.db"), &others, false).expect("merged");
+    assert_eq!(merged.count().expect("a count"), 4);
+}
+
 #[test]
 fn what_only_one_file_knows_of_a_scenario_is_kept() {
     let files = Files::new();

@@ -62,6 +62,21 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     files
 }
 
+/// A sample of all rows never ended, since the same chunk was counted twice.
+#[test]
+fn another_spelling_of_a_chunk_is_no_chunk() {
+    let place = tempfile::tempdir().unwrap();
+    let recipe = DatasetRecipe { count: 4, ..recipe() };
+    made(&recipe, None, place.path());
+    for part in ["scenes", "demonstrations"] {
+        let chunk = |name: &str| place.path().join(part).join(name);
+        fs::copy(chunk("000000.parquet"), chunk("0000000.parquet")).unwrap();
+    }
+    let folder = DatasetFolder::open(place.path()).unwrap();
+    let report = check(&folder, CheckedRows::Sample(8, 1), &|_| {}, &AtomicBool::new(false)).unwrap();
+    assert_eq!((report.checked, report.faults), (4, Vec::new()));
+}
+
 #[test]
 fn shards_and_resumed_runs_give_the_bytes_of_one_process() {
     let place = tempfile::tempdir().unwrap();

@@ -40,8 +40,8 @@ impl TwoSampleTest {
     /// # Panics
     /// If a group is empty, or a time is negative or not finite.
     ///
-    /// Of groups of more than 1000 trials, the divisions exchange blocks of successive trials. These permutations form a group
-    /// as well, so the p-values stay valid.
+    /// Groups of more than 1000 trials exchange blocks of successive trials. These permutations form a group as well, so the
+    /// p-values stay valid.
     ///
     /// Source: Peto & Peto 1972, "Asymptotically efficient rank invariant test procedures", §5; Janssen 1997, "Studentized
     /// permutation tests for non-i.i.d. hypotheses and the generalized Behrens–Fisher problem", whole.

@@ -55,10 +55,18 @@ mod tests {
         }
         fs::write(path("planner.py"), "print()").unwrap();
         fs::write(path("other.db"), [b"SQLite format 3\0".as_slice(), &[0; 496]].concat()).unwrap();
+        // A link is of another length than its file.
+        let elsewhere = tempfile::tempdir().unwrap();
+        let linked = elsewhere.path().canonicalize().unwrap().join("c.db");
+        Results::create(&linked).unwrap();
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(&linked, path("link.db")).unwrap();
         let found = results_beside(&path("a.db"));
+        #[cfg(unix)]
+        assert!(found.contains(&linked) && found.contains(&beside(&linked, "-wal")));
         for name in ["a.db", "a.db-wal", "a.db-shm", "a.db-journal", "b", "b-wal", "b-shm", "b-journal"] {
             assert!(found.contains(&path(name)), "{name}");
         }
-        assert_eq!(found.len(), 8);
+        assert_eq!(found.len(), if cfg!(unix) { 12 } else { 8 });
     }
 }

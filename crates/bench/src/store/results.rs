@@ -372,7 +372,7 @@ impl Results {
         };
         if into.exists() {
             if others.len() > 1 {
-                drop(Self::open(into)?);
+                drop(Self::create(into)?);
                 let (_copy, file) = results_file::copied(into)?;
                 let mut rehearsal = Self::create(&file)?;
                 into.clone_into(&mut rehearsal.path);

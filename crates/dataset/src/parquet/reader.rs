@@ -62,7 +62,7 @@ fn read_columns(bytes: &[u8], footer: &Thrift) -> Option<Result<Table, String>> 
         let count = usize::try_from(of_page.field(1)?.integer()?).ok()?;
         let kind = Kind { physical: metadata.field(1)?.integer()?, is_text };
         // A list without values has one level, and each value at least four bytes.
-        if count > rows + page.bytes.len() && is_list {
+        if count > rows + page.bytes.len() / 4 && is_list {
             return None;
         }
         let column = if is_list { page.lists(kind, count)? } else { page.values(kind, count)? };

@@ -47,7 +47,13 @@ mod linux {
         let entries =
             folders.into_iter().flat_map(|folder| fs::read_dir(folder).into_iter().flatten().flatten());
         let sockets = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_socket()));
-        sockets.map(|entry| entry.path()).collect()
+        let beside: Vec<PathBuf> = sockets.map(|entry| entry.path()).collect();
+        // A folder that cannot be listed may be passed through.
+        found.retain(|path| fs::symlink_metadata(path).is_ok_and(|facts| facts.file_type().is_socket()));
+        found.extend(beside);
+        found.sort();
+        found.dedup();
+        found
     }
 
     /// Returns the path in a row of `/proc/net/unix`: the eighth column (`proc_net`(5)), which may contain blanks.
