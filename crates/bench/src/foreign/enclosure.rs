@@ -51,7 +51,7 @@ pub enum Prepared {
 /// Maximum number of processes of a program, and of its processes and threads. The first limit is checked every few
 /// milliseconds, the second one belongs to the kernel.
 pub const MOST_PROCESSES: usize = 256;
-const MOST_TASKS: u64 = 4096;
+const MOST_TASKS: u64 = 1024;
 
 /// Time for which processes that a program leaves behind may continue to print.
 const AFTER_THE_END: Duration = Duration::from_millis(200);
