@@ -131,6 +131,10 @@ class GraspModel:
         self._finger_positions = np.array([joint.qposadr[0] for joint in joints])
         self._finger_velocities = np.array([joint.dofadr[0] for joint in joints])
         self._finger_of_body = {self.model.body(name).id: index for index, name in enumerate(names)}
+        for body, parent in enumerate(self.model.body_parentid.tolist()):
+            # The springs of a pad belong to their finger.
+            if parent in self._finger_of_body:
+                self._finger_of_body[body] = self._finger_of_body[parent]
         self._object_body = self.model.body("object").id
         self._center = np.array(experiment["center_in_object"], dtype=np.float64)
         self._gravity = np.array([0.0, 0.0, -float(experiment["gravity"])])

@@ -32,7 +32,7 @@ def with_friction(cube: GraspModel, friction: float) -> None:
 
 
 def slip_begins(cube: GraspModel, limit_s: float, before_step: Callable[[float], None]) -> float:
-    """Simulates until the cube has moved at 1 mm/s for 0.1 s; returns the time at which that began (s)."""
+    """Simulates until the cube has moved at 1 mm/s for 0.02 s; returns the time at which that began (s)."""
     at = cube.model.joint("object").dofadr[0]
     slow_s, step_s = 0.0, float(cube.experiment["step_s"])
     while cube.time_s < limit_s:
@@ -40,7 +40,7 @@ def slip_begins(cube: GraspModel, limit_s: float, before_step: Callable[[float],
         cube.step()
         moves = np.linalg.norm(cube.data.qvel[at : at + 3]) > 1e-3 and cube.time_s > 0.5
         slow_s = slow_s + step_s if moves else 0.0
-        if slow_s > 0.1:
+        if slow_s > 0.02:
             return cube.time_s - slow_s
     raise AssertionError("it does not slip")
 

@@ -17,9 +17,14 @@ use rapier3d_f64::prelude::{
 use crate::contact_patch::ContactPatch;
 use crate::{Physics, Piece, PieceShape, SimError};
 
-/// Collision groups: hand, object and surroundings each do not collide with themselves.
+/// Collision groups: hand, object and surroundings each do not collide with themselves. The front of
+/// a finger with a pad meets the surroundings, and its back, behind the springs of the pad, the object.
 pub(crate) const HAND: InteractionGroups =
     InteractionGroups::new(Group::GROUP_1, Group::GROUP_2.union(Group::GROUP_3), InteractionTestMode::And);
+pub(crate) const FRONT: InteractionGroups =
+    InteractionGroups::new(Group::GROUP_1, Group::GROUP_3, InteractionTestMode::And);
+pub(crate) const BACK: InteractionGroups =
+    InteractionGroups::new(Group::GROUP_1, Group::GROUP_2, InteractionTestMode::And);
 pub(crate) const OBJECT: InteractionGroups =
     InteractionGroups::new(Group::GROUP_2, Group::ALL, InteractionTestMode::And);
 pub(crate) const SURROUNDINGS: InteractionGroups =
@@ -87,7 +92,11 @@ pub(crate) fn colliders(
     groups: InteractionGroups,
 ) -> Result<Vec<Collider>, SimError> {
     // Surroundings keep the engine's contacts: some come and go in every step, and with the hook the support would vanish too.
-    let hooks = if groups == HAND { ActiveHooks::MODIFY_SOLVER_CONTACTS } else { ActiveHooks::empty() };
+    let hooks = if groups == HAND || groups == BACK {
+        ActiveHooks::MODIFY_SOLVER_CONTACTS
+    } else {
+        ActiveHooks::empty()
+    };
     let collider = |piece: &Piece| {
         let (place, shape) = shape(piece).ok_or_else(|| SimError::Shape {
             of: of.to_owned(),

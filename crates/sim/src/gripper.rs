@@ -6,6 +6,7 @@ use rapier3d_f64::prelude::{
     PrismaticJointBuilder, RigidBodyBuilder, RigidBodyHandle,
 };
 
+use crate::compliant_pads::DEEPEST_M;
 use crate::{Physics, Piece, PieceShape, SimError, engine};
 
 /// Hand in the form of the engine: a palm with prescribed motion, and fingers that slide on it.
@@ -15,6 +16,8 @@ pub(crate) struct HandModel {
     pub palm: Vec<Piece>,
     pub fingers: Vec<FingerModel>,
     pub closing_force_n: f64,
+    /// Pads that yield; `None` for a hand without two flat pads.
+    pub pads: Option<Pads>,
     palm_colliders: Vec<Collider>,
 }
 
@@ -71,7 +74,8 @@ impl HandModel {
                 pieces,
             });
         }
-        if let Some(pads) = hand.pads.and_then(|_| Pads::of(hand)) {
+        let pads = Pads::of(hand);
+        if let Some(pads) = pads.filter(|_| hand.pads.is_some()) {
             for (finger, face_m) in fingers.iter_mut().zip(pads.faces_m) {
                 // The finger behind a pad, in particular an edge of an inclined finger, does not bear load.
                 let back = Pose::translation(0.0, face_m.signum() * BEHIND_M, 0.0);
@@ -79,10 +83,15 @@ impl HandModel {
                     piece.body_from_piece = back * piece.body_from_piece;
                 }
                 finger.pieces.push(pad(&pads, face_m));
-                finger.colliders = colliders(&finger.pieces)?;
             }
         }
-        Ok(Self { palm_colliders: colliders(&palm)?, palm, fingers, closing_force_n: force_n })
+        for (finger, face_m) in fingers.iter_mut().zip(pads.iter().flat_map(|pads| pads.faces_m)) {
+            // The springs of the pads meet the object, and the fingers only what is behind these.
+            let around = engine::colliders(&hand.name, &finger.pieces, 0.0, engine::FRONT)?;
+            let behind = engine::colliders(&hand.name, &finger.behind_pad(face_m), 0.0, engine::BACK)?;
+            finger.colliders = [around, behind].concat();
+        }
+        Ok(Self { palm_colliders: colliders(&palm)?, palm, fingers, closing_force_n: force_n, pads })
     }
 }
 
@@ -100,6 +109,16 @@ const HALF_PAD_M: f64 = 5e-4;
 const BEHIND_M: f64 = 3e-4;
 
 impl FingerModel {
+    /// Pieces behind the springs of a pad with its face at `face_m` along y, in metres.
+    pub fn behind_pad(&self, face_m: f64) -> Vec<Piece> {
+        let back = Pose::translation(0.0, face_m.signum() * DEEPEST_M, 0.0);
+        let moved = |piece: &Piece| Piece {
+            body_from_piece: back * piece.body_from_piece,
+            shape: piece.shape.clone(),
+        };
+        self.pieces.iter().map(moved).collect()
+    }
+
     fn joint(&self) -> PrismaticJoint {
         let center = engine::vector(&self.center.coords);
         PrismaticJointBuilder::new(engine::vector(&self.axis))
@@ -191,6 +210,38 @@ impl<'a> Gripper<'a> {
         (sum.0 / count, sum.1 / count)
     }
 
+    /// Direction of the stroke of a finger, in the gripper frame.
+    pub fn axis(&self, finger: usize) -> Vector {
+        self.model.fingers[finger].axis
+    }
+
+    /// Returns the closing of each finger, in metres.
+    pub fn closed_m(&self, world: &PhysicsWorld) -> Vec<f64> {
+        let strokes = self.model.fingers.iter().map(|finger| finger.stroke_m);
+        self.shares(world).into_iter().zip(strokes).map(|((share, _), stroke_m)| share * stroke_m).collect()
+    }
+
+    /// Returns the rate of each finger on its stroke (m/s), the force on it along the stroke (N), and its inertia (kg).
+    pub fn fingers_along(&self, world: &PhysicsWorld) -> Vec<(f64, f64, f64)> {
+        let palm = world.bodies[self.palm].position().rotation;
+        let finger = |((model, body), (_, rate)): ((&FingerModel, &RigidBodyHandle), (f64, f64))| {
+            let force_n = world.bodies[*body].user_force().dot(palm * engine::vector(&model.axis));
+            (rate * model.stroke_m, force_n, self.physics.finger_inertia_kg)
+        };
+        self.model.fingers.iter().zip(&self.fingers).zip(self.shares(world)).map(finger).collect()
+    }
+
+    /// Returns the prescribed motion of the palm in the next step of `dt` seconds.
+    pub fn palm_motion(&self, world: &PhysicsWorld, dt: f64) -> PalmMotion {
+        let palm = &world.bodies[self.palm];
+        let [from, to] = [palm.position(), palm.next_position()].map(engine::to_pose);
+        PalmMotion {
+            linear: (to.translation.vector - from.translation.vector) / dt,
+            angular: (to.rotation * from.rotation.inverse()).scaled_axis() / dt,
+            at: from.translation.vector,
+        }
+    }
+
     /// Sets the drive forces of the next step. All fingers follow a target that moves from open to closed, `driven_m` metres
     /// from open, with at most the closing force, and follow each other.
     pub fn drive(&self, world: &mut PhysicsWorld, driven_m: f64) {
@@ -236,6 +287,21 @@ impl<'a> Gripper<'a> {
                 .map(|impulse| impulse.norm() / self.physics.step_s)
         };
         self.fingers.iter().map(pressure).collect()
+    }
+}
+
+/// Velocity of a palm: of its origin (m/s), and of its rotation (rad/s).
+pub(crate) struct PalmMotion {
+    pub linear: Vector,
+    pub angular: Vector,
+    /// Position of the origin, in metres.
+    pub at: Vector,
+}
+
+impl PalmMotion {
+    /// Velocity of a point that moves with the palm, in m/s.
+    pub fn at_point(&self, point: &Vector) -> Vector {
+        self.linear + self.angular.cross(&(point - self.at))
     }
 }
 

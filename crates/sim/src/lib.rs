@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod compliant_pads;
 mod contact_patch;
 mod engine;
 mod error;
@@ -9,6 +10,9 @@ mod friction_tests;
 mod grasping;
 mod gripper;
 mod object_model;
+#[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "what is compared to may come from the system")]
+mod pad_tests;
 mod physics;
 mod piece;
 mod plans;
@@ -16,6 +20,7 @@ mod recording;
 mod rest;
 mod rolling;
 mod settling;
+mod spring_tip;
 
 pub use crate::error::SimError;
 pub use crate::grasping::disturbance::{Disturbance, Uncertainty};

@@ -1,5 +1,5 @@
 use cranny_scenario::{Friction, ObjectType};
-use cranny_shape::Roundness;
+use cranny_shape::{Roundness, Surface, TriangleSoup};
 use cranny_spatial::nalgebra::Matrix3;
 use cranny_spatial::{Point, Pose};
 use rapier3d_f64::prelude::{Collider, MassProperties, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle};
@@ -12,6 +12,8 @@ use crate::{Disturbance, Piece, SimError, engine};
 pub(crate) struct ObjectModel {
     pub name: String,
     pub pieces: Vec<Piece>,
+    /// Surface of the pieces.
+    pub surface: Surface,
     /// Centre of mass.
     pub center: Point,
     pub mass_kg: f64,
@@ -29,7 +31,13 @@ impl ObjectModel {
             none if none.is_empty() => Piece::of_hulls(&Pose::identity(), object.parts.parts.iter().cloned()),
             exact => exact,
         };
+        let mut soup = TriangleSoup::default();
+        for piece in &pieces {
+            soup.append(&piece.shape.surface().unwrap_or_default(), &piece.body_from_piece);
+        }
+        let shape = |reason| SimError::Shape { of: object.name.clone(), reason };
         Ok(Self {
+            surface: Surface::new(&soup).map_err(shape)?,
             name: object.name.clone(),
             center: object.center_of_mass,
             mass_kg: object.mass_kg,

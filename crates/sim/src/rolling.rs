@@ -20,6 +20,7 @@ pub(crate) struct Rolling {
 impl Rolling {
     /// Sets the torque on the object for the next step, from the contact forces of the last one.
     pub fn resist(&self, world: &mut PhysicsWorld, object: RigidBodyHandle) {
+        world.bodies[object].reset_torques(false);
         if self.arm_m <= 0.0 || world.bodies[object].is_sleeping() {
             return;
         }
@@ -42,7 +43,6 @@ impl Rolling {
             }
         }
         let body = &mut world.bodies[object];
-        body.reset_torques(false);
         let (pose, turning) = (engine::to_pose(body.position()), engine::to_vector(body.angvel()));
         let Some(normal) = pressed.try_normalize(0.0) else { return };
         let rolling = turning - normal * turning.dot(&normal);

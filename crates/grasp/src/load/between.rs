@@ -4,7 +4,7 @@ use cranny_spatial::{Point, Pose, Vector};
 use crate::Pads;
 
 /// Number of cells of a pad along x and along z.
-pub(crate) const CELLS: [usize; 2] = [4, 6];
+pub const CELLS: [usize; 2] = [4, 6];
 pub(crate) const COUNT: usize = CELLS[0] * CELLS[1];
 /// Distance of an open finger behind the pads, in metres: anything farther out is behind the finger.
 const BEHIND_M: f64 = 1e-3;

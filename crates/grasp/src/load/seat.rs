@@ -3,7 +3,7 @@ use cranny_spatial::nalgebra::{Matrix4, Vector4};
 use crate::load::between::Between;
 
 /// Pressure of a soft pad per depth, in N/m³: pressed with 70 N, 17.5 × 18.5 mm yield by 0.4 mm.
-pub(crate) const SOFT_PAD: f64 = 5e8;
+pub const SOFT_PAD: f64 = 5e8;
 /// Pressure of a hard pad per depth, in N/m³: it yields by 0.02 mm, so that it bears on few points.
 pub(crate) const HARD_PAD: f64 = 20.0 * SOFT_PAD;
 /// Rotation at which friction against turning sets in, in radians.

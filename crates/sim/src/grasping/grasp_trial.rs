@@ -3,6 +3,7 @@ use cranny_spatial::{FARTHEST_M, Pose, Vector};
 use rapier3d_f64::prelude::{Collider, PhysicsWorld, RigidBodyHandle};
 use rayon::prelude::*;
 
+use crate::compliant_pads::CompliantPads;
 use crate::grasping::grasp_test::{STILL_S, whole_steps};
 use crate::gripper::Gripper;
 use crate::object_model::STILL_M_PER_S;
@@ -38,6 +39,7 @@ pub(crate) struct GraspTrial<'a> {
     pub gripper: Gripper<'a>,
     pub object: RigidBodyHandle,
     rolling: Rolling,
+    pads: Option<CompliantPads<'a>>,
     steps: u32,
     /// Number of these steps before the hand began to close.
     steps_open: u32,
@@ -73,12 +75,20 @@ impl<'a> GraspTrial<'a> {
         (object, rolling): (RigidBodyHandle, Rolling),
         recorded: Option<Vec<(RecordedBody, RigidBodyHandle)>>,
     ) -> Self {
+        let object_model = &test.object;
+        let pads = test.hand.pads.as_ref().map(|pads| {
+            let friction =
+                world.bodies[object].colliders().first().map_or(0.0, |own| world.colliders[*own].friction());
+            let inertial = (rolling.mass_kg, rolling.inertia_kg_m2, rolling.center);
+            CompliantPads::new(pads, (&object_model.surface, friction), inertial)
+        });
         let mut trial = Self {
             test,
             world,
             gripper,
             object,
             rolling,
+            pads,
             steps: 0,
             steps_open: 0,
             opens_from: None,
@@ -126,7 +136,8 @@ impl<'a> GraspTrial<'a> {
     fn blocked(&self) -> Option<GraspOutcome> {
         let world = &self.world;
         let of_body = |body: RigidBodyHandle| {
-            world.bodies[body].colliders().iter().map(|&collider| &world.colliders[collider])
+            let own = world.bodies[body].colliders().iter().map(|&collider| &world.colliders[collider]);
+            own.filter(|own| own.collision_groups() != engine::BACK)
         };
         let around =
             || world.colliders.iter().map(|(_, other)| other).filter(|other| other.parent().is_none());
@@ -195,9 +206,15 @@ impl<'a> GraspTrial<'a> {
             }
         };
         self.gripper.drive(&mut self.world, driven_m);
+        self.world.bodies[self.object].reset_forces(true);
         self.rolling.resist(&mut self.world, self.object);
-        let are_faces = self.gripper.bears_on_faces(&self.world, self.object);
-        engine::step(&mut self.world, are_faces);
+        if let Some(pads) = &mut self.pads {
+            pads.press(&mut self.world, &self.gripper, self.object);
+            engine::step(&mut self.world, false);
+        } else {
+            let are_faces = self.gripper.bears_on_faces(&self.world, self.object);
+            engine::step(&mut self.world, are_faces);
+        }
         self.steps += 1;
         self.record();
     }
@@ -218,7 +235,7 @@ impl<'a> GraspTrial<'a> {
             if share > 1.0 - CLOSED_SHARE {
                 return None;
             }
-            let pressures = self.gripper.pressures(&self.world, self.object);
+            let pressures = self.pressures();
             // The drive has full force and the fingers rest. A contact that changes its corners from step to step makes them
             // vibrate: faster than the limit of rest, but within a few micrometres.
             let has_moved = ((share - still_share) * stroke_m).abs() > STILL_M_PER_S * STILL_S;
@@ -276,7 +293,18 @@ impl<'a> GraspTrial<'a> {
     }
 
     fn is_touched(&self) -> bool {
-        self.gripper.pressures(&self.world, self.object).iter().any(Option::is_some)
+        self.pressures().iter().any(Option::is_some)
+    }
+
+    /// Force of each finger on the object in the last step, in newtons; `None` if it does not touch it.
+    fn pressures(&self) -> Vec<Option<f64>> {
+        let mut pressures = self.gripper.pressures(&self.world, self.object);
+        for (pressure, force) in pressures.iter_mut().zip(self.pads.iter().flat_map(|pads| pads.forces)) {
+            if force.norm() > 0.0 {
+                *pressure = Some(pressure.unwrap_or(0.0) + force.norm());
+            }
+        }
+        pressures
     }
 
     /// Opens the hand and moves it on meanwhile.

@@ -7,15 +7,16 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use cranny_grasp::LEAST_ARM_M;
+use cranny_grasp::{LEAST_ARM_M, Pads};
 use cranny_spatial::{Pose, Vector};
 
+use crate::compliant_pads::{spring_stiffness, spring_tips};
 use crate::gripper::FINGER_RADIUS_M;
 use crate::{GraspTest, Physics, Piece, PieceShape};
 
 /// Number of MuJoCo steps per [`Physics::step_s`]. The engine here solves the constraints of a step in as many substeps.
 pub(crate) fn mujoco_steps(physics: &Physics) -> usize {
-    physics.solver_iterations
+    2 * physics.solver_iterations
 }
 
 impl GraspTest {
@@ -23,7 +24,7 @@ impl GraspTest {
     ///
     /// Its bodies are `palm`, `finger 1`, … and `object`, each with a joint of that name: the first and the last free, the
     /// others sliding from 0 (open) to the stroke. Each finger has a position actuator of its name, whose control is the target
-    /// position of the finger, in metres. The hand is at the origin of the planning frame: the runner of the model moves it to
+    /// position of the finger, in metres. A finger with a pad carries its springs as bodies `tip 1.1`, …. The hand is at the origin of the planning frame: the runner of the model moves it to
     /// the grasp, and sets pose and velocity of the palm before every step. The object is at its resting pose.
     ///
     /// The greater of two friction coefficients in contact applies, in MuJoCo as here.
@@ -55,7 +56,9 @@ impl Mjcf {
         let ContactReference { time_constant_s, damping_ratio, impedance } =
             ContactReference::new(&test.physics, timestep_s);
         let friction = test.object.friction.low;
-        let torsional_friction_m = friction * LEAST_ARM_M;
+        // The springs of a pad resist torsion together; other fingers need a patch at each contact.
+        let (object_dimensions, torsional_friction_m) =
+            if test.hand.pads.is_some() { (3, 0.0) } else { (4, friction * LEAST_ARM_M) };
         format!(
             r#"<mujoco model="grasp test">
   <compiler angle="radian" autolimits="true"/>
@@ -66,8 +69,10 @@ impl Mjcf {
     <geom solref="{time_constant_s} {damping_ratio}" solimp="{impedance} {impedance} 0.001"/>
     <default class="palm"><geom contype="1" conaffinity="0" condim="1" friction="0 0 0"/></default>
     <default class="finger"><geom contype="2" conaffinity="0" condim="1" friction="0 0 0"/></default>
+    <default class="back"><geom contype="8" conaffinity="0" condim="1" friction="0 0 0"/></default>
+    <default class="tip"><geom contype="16" conaffinity="0" condim="1" friction="0 0 0" solmix="1e6" solref="{rigid_s} 1" solimp="{IMPEDANCE}"/></default>
     <default class="surroundings"><geom contype="4" conaffinity="2" condim="6" friction="0 0 {rolling_m}"/></default>
-    <default class="object"><geom contype="0" conaffinity="7" condim="4" friction="{friction} {torsional_friction_m} 0"/></default>
+    <default class="object"><geom contype="0" conaffinity="{of_object}" condim="{object_dimensions}" friction="{friction} {torsional_friction_m} 0"/></default>
   </default>
   <asset>
 {meshes}  </asset>
@@ -79,6 +84,10 @@ impl Mjcf {
 {drives}  </actuator>
 </mujoco>
 "#,
+            // The palm, surroundings, and either the fingers or their springs with what is behind these.
+            of_object = if test.hand.pads.is_some() { 1 + 4 + 8 + 16 } else { 1 + 2 + 4 },
+            // A tip is light, and contacts yield in proportion to mass.
+            rigid_s = 2.0 * timestep_s,
             down = -gravity,
             meshes = self.meshes,
             bodies = self.bodies,
@@ -110,6 +119,9 @@ impl Mjcf {
             for piece in &finger.pieces {
                 self.geom(8, "finger", piece);
             }
+            if let Some(pads) = &test.hand.pads {
+                self.pad(test, pads, index);
+            }
             self.line(6, format_args!("</body>"));
             // All fingers move by equal shares of their strokes.
             if number > 1 {
@@ -126,6 +138,36 @@ impl Mjcf {
             );
         }
         self.line(4, format_args!("</body>"));
+    }
+
+    /// The pad of a finger: springs of spherical tips, and the finger behind them.
+    fn pad(&mut self, test: &GraspTest, pads: &Pads, finger: usize) {
+        let face_m = pads.faces_m[finger];
+        for piece in test.hand.fingers[finger].behind_pad(face_m) {
+            self.geom(8, "back", &piece);
+        }
+        let timestep_s = test.physics.step_s / mujoco_steps(&test.physics) as f64;
+        let stiffness = spring_stiffness(pads);
+        let armature_kg = stiffness * (timestep_s / SPRING_PHASE).powi(2);
+        let damping = 2.0 * (stiffness * armature_kg).sqrt();
+        for (index, tip) in spring_tips(pads, face_m).into_iter().enumerate() {
+            let center = tip.coords + Vector::y() * (face_m.signum() * TIP_M);
+            self.line(
+                8,
+                format_args!(
+                    "<body name=\"tip {}.{}\" pos=\"{}\" gravcomp=\"1\">",
+                    finger + 1,
+                    index + 1,
+                    numbers(center.as_slice())
+                ),
+            );
+            self.bodies += &inertial(&Vector::zeros(), TIP_KG, [TIP_KG * TIP_M.powi(2); 3], [0.0; 3]);
+            self.line(10, format_args!(
+                "<joint type=\"slide\" axis=\"0 1 0\" stiffness=\"{stiffness}\" damping=\"{damping}\" armature=\"{armature_kg}\"/>"
+            ));
+            self.line(10, format_args!("<geom class=\"tip\" type=\"sphere\" size=\"{TIP_M}\"/>"));
+            self.line(8, format_args!("</body>"));
+        }
     }
 
     fn object(&mut self, test: &GraspTest) {
@@ -226,6 +268,13 @@ fn placed(pose: &Pose) -> String {
 fn numbers(numbers: &[f64]) -> String {
     numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
 }
+
+/// Radius of the tip of a spring, in metres.
+const TIP_M: f64 = 1.5e-3;
+/// Mass of a tip, in kilograms: MuJoCo requires one.
+const TIP_KG: f64 = 1e-5;
+/// Angle by which a spring swings within a step, in radians: the integrator is explicit in it.
+const SPRING_PHASE: f64 = 0.25;
 
 /// Impedance of stroke limits and couplings (`solimp`): the share of a violating acceleration that their force removes.
 const IMPEDANCE: &str = "0.99 0.999 0.0001";

@@ -1,0 +1,355 @@
+//! Pads that yield: each is a bed of springs, as the load of a grasp assumes it.
+//!
+//! The contacts of the engine are rigid, so that a pad bears on a few corners, which differ from engine to engine. Here each
+//! cell of a pad is a spring whose tip sticks to the object or slides on it within the cone of friction. The forces of a step
+//! are those at its end (linearly implicit), because the springs are stiffer than the step could follow otherwise.
+
+use cranny_grasp::{PAD_CELLS, Pads, SOFT_PAD};
+use cranny_shape::Surface;
+use cranny_spatial::nalgebra::{Matrix3, SMatrix, SVector, Vector2};
+use cranny_spatial::{Point, Pose, Rotation, Vector};
+use rapier3d_f64::prelude::{PhysicsWorld, RigidBodyHandle};
+
+use crate::engine;
+use crate::gripper::Gripper;
+use crate::spring_tip::{Grip, Law, grip};
+
+/// Maximum depth of a pad, in metres: of its springs, and of the region in which the engine's contacts are replaced.
+pub(crate) const DEEPEST_M: f64 = 3e-3;
+/// Distance ahead of a pad at which it may touch the object within a step, in metres.
+const AHEAD_M: f64 = 1e-3;
+/// Ratio of the stiffness of a spring along the pad to that across it. With that of rubber, a third, a long object would swing
+/// on its pads at the frequency of the shake test.
+const SHEAR_SHARE: f64 = 3.0;
+/// Maximum number of Newton steps.
+const MOST_STEPS: usize = 12;
+/// Error of a velocity at which a step is solved, in m/s: the object creeps less.
+const ACCURACY: f64 = 1e-6;
+/// Number of halvings of a Newton step.
+const SHORTER: i32 = 6;
+
+/// Velocities: of the object's centre of mass, of its rotation, and of both fingers along their strokes.
+type Velocities = SVector<f64, 8>;
+type Square = SMatrix<f64, 8, 8>;
+
+/// Two pads with the state of their springs.
+#[derive(Clone, Debug)]
+pub(crate) struct CompliantPads<'a> {
+    surface: &'a Surface,
+    friction: f64,
+    mass_kg: f64,
+    inertia_kg_m2: Matrix3<f64>,
+    /// Centre of mass in the frame of the object.
+    center: Point,
+    /// Stiffness of a spring, in N/m.
+    stiffness: f64,
+    sides: [Side; 2],
+    /// Forces of both pads on the object in the last step, in newtons.
+    pub forces: [Vector; 2],
+}
+
+/// Springs of one pad.
+#[derive(Clone, Debug)]
+struct Side {
+    /// Direction towards the other pad along y: 1 or −1.
+    inward: f64,
+    springs: Vec<Spring>,
+}
+
+/// A cell of a pad.
+#[derive(Clone, Copy, Debug)]
+struct Spring {
+    /// Tip at rest, in the frame of the finger.
+    rest: Point,
+    /// Point and outward normal of the object at which the tip sticks, in the frame of the object.
+    held: Option<(Point, Vector)>,
+}
+
+/// A spring in contact, prepared for a step.
+struct Touch {
+    side: usize,
+    /// Point of contact in the world, in metres.
+    at: Vector,
+    /// Velocity of the object relative to the pad, in the pad's frame (along, along, inward), per [`Velocities`].
+    by_velocity: SMatrix<f64, 3, 8>,
+    /// The same at rest, from the prescribed motion of the palm.
+    of_palm: Vector,
+    /// Deflection at the beginning of the step: along the pad, and depth.
+    along: Vector2<f64>,
+    depth_m: f64,
+    /// Outward normal of the object in the pad's frame.
+    normal: Vector,
+    axes: Matrix3<f64>,
+}
+
+/// Forces of a step, the error of the equations of motion, and its derivative by the velocities.
+struct Balance {
+    grips: Vec<Grip>,
+    error: Velocities,
+    slope: Square,
+}
+
+impl<'a> CompliantPads<'a> {
+    /// Pads on an object with this surface, friction, mass (kg), inertia about its centre of mass (kg m²) and centre of mass.
+    pub fn new(
+        pads: &Pads,
+        (surface, friction): (&'a Surface, f64),
+        (mass_kg, inertia_kg_m2, center): (f64, Matrix3<f64>, Point),
+    ) -> Self {
+        let spring = |rest: Point| Spring { rest, held: None };
+        let sides = pads.faces_m.map(|face_m| Side {
+            inward: -face_m.signum(),
+            springs: spring_tips(pads, face_m).into_iter().map(spring).collect(),
+        });
+        let stiffness = spring_stiffness(pads);
+        Self {
+            surface,
+            friction,
+            mass_kg,
+            inertia_kg_m2,
+            center,
+            stiffness,
+            sides,
+            forces: [Vector::zeros(); 2],
+        }
+    }
+
+    /// Adds the forces of the pads in the next step, after all other forces on object and fingers.
+    pub fn press(&mut self, world: &mut PhysicsWorld, gripper: &Gripper<'_>, object: RigidBodyHandle) {
+        let body = &world.bodies[object];
+        let world_from_object = engine::to_pose(body.position());
+        let touches = self.touches(world, gripper, &world_from_object);
+        self.forces = [Vector::zeros(); 2];
+        if touches.is_empty() {
+            return;
+        }
+        let dt = world.integration_parameters.dt;
+        let turn = world_from_object.rotation.to_rotation_matrix();
+        let inertia = turn.matrix() * self.inertia_kg_m2 * turn.matrix().transpose();
+        let mut mass = Square::zeros();
+        mass.fixed_view_mut::<3, 3>(0, 0).copy_from(&(Matrix3::identity() * self.mass_kg));
+        mass.fixed_view_mut::<3, 3>(3, 3).copy_from(&inertia);
+        let mut free = Velocities::zeros();
+        let pull = world.gravity * self.mass_kg + body.user_force();
+        let (linear, angular) = (engine::to_vector(body.linvel()), engine::to_vector(body.angvel()));
+        free.fixed_rows_mut::<3>(0).copy_from(&(linear + engine::to_vector(pull) * (dt / self.mass_kg)));
+        let torque = engine::to_vector(body.user_torque());
+        let turned = inertia.try_inverse().map_or(Vector::zeros(), |inverse| inverse * torque * dt);
+        free.fixed_rows_mut::<3>(3).copy_from(&(angular + turned));
+        for (side, (rate, force_n, finger_kg)) in gripper.fingers_along(world).into_iter().enumerate().take(2)
+        {
+            mass[(6 + side, 6 + side)] = finger_kg;
+            free[6 + side] = rate + force_n * dt / finger_kg;
+        }
+        let palm = gripper.palm_motion(world, dt);
+        let mut carried = free;
+        let center = (world_from_object * self.center).coords;
+        carried.fixed_rows_mut::<3>(0).copy_from(&palm.at_point(&center));
+        carried.fixed_rows_mut::<3>(3).copy_from(&palm.angular);
+        carried.fixed_rows_mut::<2>(6).fill(0.0);
+        let grips = self.solve(&touches, &mass, [free, carried], dt);
+        self.apply(world, gripper, object, (&touches, &grips));
+    }
+
+    /// Springs that touch the object or may do so within the next step.
+    fn touches(
+        &mut self,
+        world: &PhysicsWorld,
+        gripper: &Gripper<'_>,
+        world_from_object: &Pose,
+    ) -> Vec<Touch> {
+        let dt = world.integration_parameters.dt;
+        let center = (world_from_object * self.center).coords;
+        let palm = gripper.palm_motion(world, dt);
+        let springs = (self.stiffness, SHEAR_SHARE * self.stiffness);
+        let world_from_palm = engine::to_pose(world.bodies[gripper.palm].position());
+        let closed_m = gripper.closed_m(world);
+        let mut touches = Vec::with_capacity(2 * PAD_CELLS[0] * PAD_CELLS[1]);
+        for (side, pad) in self.sides.iter_mut().enumerate() {
+            // The finger exactly on its slide: the engine's joint yields.
+            let world_from_finger = world_from_palm
+                * Pose::from_parts((gripper.axis(side) * closed_m[side]).into(), Rotation::identity());
+            let rotation = world_from_finger.rotation.to_rotation_matrix();
+            let [x, y, z] = [0, 1, 2].map(|axis| rotation.matrix().column(axis).into_owned());
+            let inward = y * pad.inward;
+            let axes = Matrix3::from_rows(&[x.transpose(), z.transpose(), inward.transpose()]);
+            let slide = rotation * gripper.axis(side);
+            let place = Place { world_from_object, axes: &axes };
+            for spring in &mut pad.springs {
+                let rest = world_from_finger * spring.rest;
+                spring.held = place.held(self.surface, (spring.held, rest), springs, self.friction);
+                let Some((point, normal)) = spring.held else { continue };
+                let at = world_from_object * point;
+                let off = axes * (at - rest);
+                let depth_m = -off.z;
+                let normal = axes * (world_from_object * normal);
+                let mut by_velocity = SMatrix::<f64, 3, 8>::zeros();
+                by_velocity.fixed_view_mut::<3, 3>(0, 0).copy_from(&axes);
+                by_velocity
+                    .fixed_view_mut::<3, 3>(0, 3)
+                    .copy_from(&(-axes * (at.coords - center).cross_matrix()));
+                by_velocity.fixed_view_mut::<3, 1>(0, 6 + side).copy_from(&(axes * -slide));
+                let of_palm = axes * -palm.at_point(&at.coords);
+                let along = Vector2::new(off.x, off.y);
+                touches.push(Touch {
+                    side,
+                    at: at.coords,
+                    by_velocity,
+                    of_palm,
+                    along,
+                    depth_m,
+                    normal,
+                    axes,
+                });
+            }
+        }
+        touches
+    }
+
+    /// Finds the forces at the end of a step by Newton's method, with steps that shorten until the error falls. Begins with the
+    /// better of two guesses: nothing holds the object, or it moves with the hand.
+    fn solve(&self, touches: &[Touch], mass: &Square, guesses: [Velocities; 2], dt: f64) -> Vec<Grip> {
+        let scale = mass.diagonal();
+        let free = guesses[0];
+        let at = |velocities: Velocities, law: Law| {
+            let balance = self.balance(touches, mass, (&free, &velocities), (law, dt));
+            let size = balance.error.component_mul(&balance.error).component_div(&scale).sum();
+            (velocities, balance, size)
+        };
+        let accepted = ACCURACY * ACCURACY * self.mass_kg;
+        let [loose, held] = guesses.map(|guess| at(guess, Law::Tangent));
+        let mut best = if held.2 < loose.2 { held } else { loose };
+        for _ in 0..MOST_STEPS {
+            let (velocities, balance, before) = &best;
+            let Some(step) = balance.slope.lu().solve(&balance.error).filter(|_| *before > accepted) else {
+                break;
+            };
+            let shares = (0..SHORTER).map(|times| 0.5_f64.powi(times));
+            let shorter = shares.map(|share| at(velocities - step * share, Law::Tangent));
+            let nearer = shorter.into_iter().find(|(.., size)| size < before);
+            best = nearer.unwrap_or_else(|| {
+                // A sliding tip that sticks in the step: its secant leads there slowly but surely.
+                let (_, secant, _) = at(*velocities, Law::Secant);
+                let step = secant.slope.lu().solve(&secant.error).unwrap_or_default();
+                at(velocities - step, Law::Tangent)
+            });
+        }
+        best.1.grips
+    }
+
+    /// Error of the equations of motion of a step (N s, N m s) with these velocities at its end.
+    fn balance(
+        &self,
+        touches: &[Touch],
+        mass: &Square,
+        (free, velocities): (&Velocities, &Velocities),
+        (law, dt): (Law, f64),
+    ) -> Balance {
+        let mut error = mass * (velocities - free);
+        let mut slope = *mass;
+        let springs = (self.stiffness, SHEAR_SHARE * self.stiffness);
+        let mut grip_of = |touch: &Touch| {
+            let moved = (touch.by_velocity * velocities + touch.of_palm) * dt;
+            let deflection = (touch.depth_m - moved.z, touch.along + moved.xy());
+            let grip = grip(springs, deflection, (&touch.normal, self.friction), law);
+            if grip.force.z > 0.0 {
+                error -= touch.by_velocity.tr_mul(&grip.force) * dt;
+                slope += touch.by_velocity.tr_mul(&(grip.stiffness * touch.by_velocity)) * (dt * dt);
+            }
+            grip
+        };
+        let grips = touches.iter().map(&mut grip_of).collect();
+        Balance { grips, error, slope }
+    }
+
+    /// Adds the forces of the springs, and keeps where their tips stick.
+    fn apply(
+        &mut self,
+        world: &mut PhysicsWorld,
+        gripper: &Gripper<'_>,
+        object: RigidBodyHandle,
+        (touches, grips): (&[Touch], &[Grip]),
+    ) {
+        let world_from_object = engine::to_pose(world.bodies[object].position());
+        let center = (world_from_object * self.center).coords;
+        let (mut force, mut torque) = (Vector::zeros(), Vector::zeros());
+        for (touch, grip) in touches.iter().zip(grips) {
+            let pushed = touch.axes.tr_mul(&grip.force);
+            force += pushed;
+            torque += (touch.at - center).cross(&pushed);
+            self.forces[touch.side] += pushed;
+        }
+        let world_from_palm = engine::to_pose(world.bodies[gripper.palm].position()).rotation;
+        let body = &mut world.bodies[object];
+        body.add_force(engine::vector(&force), true);
+        body.add_torque(engine::vector(&torque), true);
+        for (side, pushed) in self.forces.iter().enumerate() {
+            let finger = &mut world.bodies[gripper.fingers[side]];
+            let slide = world_from_palm * gripper.axis(side);
+            finger.add_force(engine::vector(&(slide * -pushed.dot(&slide))), true);
+        }
+    }
+}
+
+/// Tips of the springs of a pad at rest, in the gripper frame; its face is at `face_m` along y.
+pub(crate) fn spring_tips(pads: &Pads, face_m: f64) -> Vec<Point> {
+    let at = |axis: usize, step: usize| {
+        let share = 2.0 * (step as f64 + 0.5) / PAD_CELLS[axis] as f64 - 1.0;
+        pads.middle_m[axis] + pads.half_m[axis] * share
+    };
+    let [columns, rows] = PAD_CELLS;
+    (0..columns * rows).map(|cell| Point::new(at(0, cell / rows), face_m, at(1, cell % rows))).collect()
+}
+
+/// Stiffness of a spring of a pad, in N/m.
+pub(crate) fn spring_stiffness(pads: &Pads) -> f64 {
+    let count = (PAD_CELLS[0] * PAD_CELLS[1]) as f64;
+    SOFT_PAD * 4.0 * pads.half_m[0] * pads.half_m[1] / count
+}
+
+/// Object between the pads.
+struct Place<'a> {
+    world_from_object: &'a Pose,
+    /// Directions of a pad in the world, as rows: along it, along it, inward.
+    axes: &'a Matrix3<f64>,
+}
+
+impl Place<'_> {
+    /// Returns the point and the outward normal of the object, in its frame, at which the tip of a spring sticks: where it has
+    /// stuck, or where it has slid to, or where it meets the object in front of its place at rest.
+    fn held(
+        &self,
+        surface: &Surface,
+        (held, rest): (Option<(Point, Vector)>, Point),
+        springs: (f64, f64),
+        friction: f64,
+    ) -> Option<(Point, Vector)> {
+        let inward = self.axes.row(2).transpose();
+        let meet_at = |at: Point| {
+            let origin = self.world_from_object.inverse_transform_point(&(at - inward * DEEPEST_M));
+            meet(surface, &origin, &self.world_from_object.inverse_transform_vector(&inward))
+        };
+        let Some((point, normal)) = held else { return meet_at(rest) };
+        let off = self.axes * (self.world_from_object * point - rest);
+        let normal = self.axes * (self.world_from_object * normal);
+        let grip = grip(springs, (-off.z, off.xy()), (&normal, friction), Law::Tangent);
+        if grip.force.z <= 0.0 {
+            return meet_at(rest);
+        }
+        if grip.slid_m == Vector2::zeros() {
+            return held;
+        }
+        let tip = off.xy() + grip.slid_m;
+        meet_at(rest + self.axes.tr_mul(&Vector::new(tip.x, tip.y, 0.0)))
+    }
+}
+
+/// Point at which a ray enters a surface, with its outward normal; the origin, if it lies inside. `None` beyond the reach of a
+/// pad.
+fn meet(surface: &Surface, origin: &Point, along: &Vector) -> Option<(Point, Vector)> {
+    let hit = *surface.ray_hits(origin, along, DEEPEST_M + AHEAD_M).first()?;
+    if hit.normal.dot(along) > 0.0 {
+        return Some((*origin, -along));
+    }
+    Some((origin + along * hit.distance_m, hit.normal))
+}
