@@ -1,4 +1,4 @@
-//! Coulomb's law: slip begins where the pull exceeds μ times the normal force, on a plane and in a hand.
+//! Coulomb's law: slip begins where the pull exceeds μ times the normal force, on a plane and between rigid fingers.
 
 use cranny_grasp::BoxHand;
 use cranny_spatial::nalgebra::Matrix3;
@@ -70,7 +70,7 @@ fn in_a_hand_slip_begins_at_twice_the_friction_times_the_closing_force() {
     let physics = Physics::default();
     for (friction, closing_force_n) in [(0.24, 5.0), (0.24, 70.0), (0.5, 20.0), (0.9, 40.0)] {
         let hand = BoxHand { closing_force_n, ..BoxHand::default() }.hand().unwrap();
-        let model = HandModel::new(&hand).unwrap();
+        let model = HandModel::with_pads(&hand, None).unwrap();
         let mut world = engine::world(&physics);
         world.gravity = engine::vector(&Vector::zeros());
         let gripper = Gripper::insert(&model, &physics, closing_force_n, &Pose::identity(), &mut world);
@@ -122,7 +122,7 @@ fn pads_on_their_edges_turn_at_what_the_ends_of_the_edges_hold() {
                     tip * Pose::from_parts(Vector::zeros().into(), tilt) * tip.inverse() * hand.parts[part].0;
             }
         }
-        let model = HandModel::new(&hand).unwrap();
+        let model = HandModel::with_pads(&hand, None).unwrap();
         let mut world = engine::world(&physics);
         world.gravity = engine::vector(&Vector::zeros());
         let gripper = Gripper::insert(&model, &physics, closing_force_n, &Pose::identity(), &mut world);
@@ -232,7 +232,7 @@ fn a_column_stays_where_a_hand_holds_it() {
     let physics = Physics::default();
     let (mass_kg, half, closing_force_n) = (0.15, [0.35, 0.03, 0.035], 40.0);
     let hand = BoxHand { closing_force_n, ..BoxHand::default() }.hand().unwrap();
-    let model = HandModel::new(&hand).unwrap();
+    let model = HandModel::with_pads(&hand, None).unwrap();
     let square = |axis: usize| 4.0 * half[axis] * half[axis];
     let about = |a: usize, b: usize| mass_kg * (square(a) + square(b)) / 12.0;
     let inertia = Matrix3::from_diagonal(&Vector::new(about(1, 2), about(0, 2), about(0, 1)));

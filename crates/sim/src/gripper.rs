@@ -35,6 +35,11 @@ pub(crate) struct FingerModel {
 
 impl HandModel {
     pub fn new(hand: &Hand) -> Result<Self, SimError> {
+        Self::with_pads(hand, Pads::of(hand))
+    }
+
+    /// Creates the model of a hand with these pads; `None`: with rigid fingers.
+    pub fn with_pads(hand: &Hand, pads: Option<Pads>) -> Result<Self, SimError> {
         let name = || hand.name.clone();
         if hand.fingers.is_empty() {
             return Err(SimError::NoFingers { hand: name() });
@@ -74,7 +79,6 @@ impl HandModel {
                 pieces,
             });
         }
-        let pads = Pads::of(hand);
         if let Some(pads) = pads.filter(|_| hand.pads.is_some()) {
             for (finger, face_m) in fingers.iter_mut().zip(pads.faces_m) {
                 // The finger behind a pad, in particular an edge of an inclined finger, does not bear load.
