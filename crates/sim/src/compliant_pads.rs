@@ -12,10 +12,8 @@ use rapier3d_f64::prelude::{PhysicsWorld, RigidBodyHandle};
 
 use crate::engine;
 use crate::gripper::Gripper;
-use crate::spring_tip::{Grip, Law, grip};
+use crate::spring_tip::{DEEPEST_M, Grip, Law, grip};
 
-/// Maximum depth of a pad, in metres: of its springs, and of the region in which the engine's contacts are replaced.
-pub(crate) const DEEPEST_M: f64 = 3e-3;
 /// Distance ahead of a pad at which it may touch the object within a step, in metres.
 const AHEAD_M: f64 = 1e-3;
 /// Ratio of the stiffness of a spring along the pad to that across it. With that of rubber, a third, a long object would swing

@@ -6,7 +6,7 @@ use rapier3d_f64::prelude::{
     PrismaticJointBuilder, RigidBodyBuilder, RigidBodyHandle,
 };
 
-use crate::compliant_pads::DEEPEST_M;
+use crate::spring_tip::DEEPEST_M;
 use crate::{Physics, Piece, PieceShape, SimError, engine};
 
 /// Hand in the form of the engine: a palm with prescribed motion, and fingers that slide on it.
@@ -219,7 +219,7 @@ impl<'a> Gripper<'a> {
         self.model.fingers[finger].axis
     }
 
-    /// Returns the closing of each finger, in metres.
+    /// Returns the closing of each finger, in metres; one per finger.
     pub fn closed_m(&self, world: &PhysicsWorld) -> Vec<f64> {
         let strokes = self.model.fingers.iter().map(|finger| finger.stroke_m);
         self.shares(world).into_iter().zip(strokes).map(|((share, _), stroke_m)| share * stroke_m).collect()

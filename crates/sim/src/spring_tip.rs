@@ -22,6 +22,8 @@ pub(crate) enum Law {
     Secant,
 }
 
+/// Maximum depth of a spring, in metres: behind it, a finger is rigid.
+pub(crate) const DEEPEST_M: f64 = 3e-3;
 /// Minimum component of the normal against the pad: on steeper slopes a tip slides as on this one.
 const LEAST_FACING: f64 = 0.3;
 
