@@ -260,7 +260,7 @@ impl<'a> CompliantPads<'a> {
         Balance { grips, error, slope }
     }
 
-    /// Adds the forces of the springs, and keeps where their tips stick.
+    /// Adds the forces of the springs to object and fingers.
     fn apply(
         &mut self,
         world: &mut PhysicsWorld,

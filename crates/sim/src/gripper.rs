@@ -109,7 +109,7 @@ fn pad(pads: &Pads, face_m: f64) -> Piece {
 
 /// Half the thickness of a pad, in metres.
 const HALF_PAD_M: f64 = 5e-4;
-/// Distance of a finger behind its pad, in metres: more than the contact yields.
+/// Distance of a finger behind the face of its pad for the surroundings, in metres. For the object it is [`DEEPEST_M`] more.
 const BEHIND_M: f64 = 3e-4;
 
 impl FingerModel {

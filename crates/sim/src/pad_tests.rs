@@ -89,7 +89,7 @@ impl Setup {
         body
     }
 
-    /// Time at which an object that is loaded ever more has moved by `most_m`, or turned by 10 × that in radians.
+    /// Time at which an object that is loaded ever more begins to move by 1 mm/s or to turn by 0.1 rad/s, in seconds.
     fn slips_at(&self, gripper_from_object: Pose, wrench: impl Fn(f64) -> (Vector, Vector)) -> f64 {
         let poses = self.run(gripper_from_object, 3.0, wrench);
         let moved = |pair: &[Pose]| {
@@ -130,7 +130,8 @@ fn a_block_slips_where_the_limit_surface_ends() {
         }
     }
 }
-/// A cylinder along z of this radius, as a prism, and a cuboid.
+
+/// A cuboid, and a cylinder along z as a prism.
 fn shapes() -> Vec<(&'static str, TriangleSoup)> {
     let cylinder = Solid::cylinder(0.015, 0.02).unwrap().tessellation().unwrap();
     vec![("cuboid", Surface::cuboid_soup(&Vector::new(0.05, 0.02, 0.015))), ("cylinder", cylinder)]
