@@ -174,7 +174,7 @@ fn a_set_of_demonstrations_goes_on_after_it_was_killed_or_stopped() {
 fn a_sampling_goes_on_where_it_was_stopped_while_candidates_are_chosen_too() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
-    let sample = |file: &str| format!("grasps sample banana --count 1500 --candidates 40000 -o {file}");
+    let sample = |file: &str| format!("grasps sample banana --count 1500 --candidates 20000 -o {file}");
     let whole = command(folder, &sample("whole.csv")).output().expect("it runs");
     assert_eq!(document(&whole)["stopped"], false);
     let mut stops = 0;
@@ -187,7 +187,7 @@ fn a_sampling_goes_on_where_it_was_stopped_while_candidates_are_chosen_too() {
         let kept = found["unfinished"].as_str().expect("a file");
         assert!(folder.join(kept).exists() && !folder.join("banana.csv").exists());
         // The choice takes longer than the time before each stop.
-        if found["candidates"] == 40_000 {
+        if found["candidates"] == 20_000 {
             let rest = command(folder, &sample("banana.csv")).output().expect("it runs");
             assert_eq!(document(&rest)["stopped"], false);
             break;

@@ -82,17 +82,15 @@ fn no_carried_target_touches_anything() {
 #[test]
 fn no_target_that_is_put_down_touches_anything_and_nothing_touches_it() {
     let Some(cases) = cases() else { return };
-    // The second and the hardest of each kind, or with `CRANNY_LONG` all.
-    let cases: Vec<&Case> = cases.iter().filter(|case| is_long() || case.id.ends_with(['2', '5'])).collect();
     assert!(cases.len() >= 8);
-    let judge = |case: &&Case| {
+    let judge = |case: &Case| {
         let pieces = case.placed()?.try_into().ok()?;
         // It is released a third of a millimetre above its support, so that it penetrates nothing during the set-down.
         let (samples, faults) = case.oracle.watch_task(&pieces, 0.0);
         println!("{}: {samples} samples, {faults:?}", case.id);
         Some(faults)
     };
-    for (case, faults) in cases.iter().zip(for_each(&cases, judge)) {
+    for (case, faults) in cases.iter().zip(for_each(cases, judge)) {
         assert_eq!(faults, Some(Vec::new()), "{}", case.id);
     }
 }
@@ -107,7 +105,7 @@ fn most_straight_lines_from_start_to_goal_touch_something() {
     };
     let touches = for_each(cases, touch).into_iter().flatten().count();
     println!("{touches} of {} straight lines touch something", cases.len());
-    assert!(touches >= 10, "{touches}");
+    assert!(2 * touches >= cases.len(), "{touches}");
 }
 
 #[test]
@@ -186,7 +184,7 @@ fn what_is_proven_the_oracle_sees_free_and_what_it_sees_touch_is_not_proven() {
     for what in ["floor", "target", "table", "open_shelf", "wall_segment", "gate", "panda_"] {
         assert!(total.touches.keys().any(|key| key.starts_with(what)), "nothing touched {what}: {total:?}");
     }
-    let [proven, touched] = if is_long() { [100, 200] } else { [35, 75] };
+    let [proven, touched] = if is_long() { [100, 200] } else { [14, 30] };
     assert!(
         total.proven >= proven && total.touched >= touched && total.deep_contacts >= touched,
         "{total:?}"
