@@ -2,6 +2,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use cranny_file::counted;
+use cranny_grasp::ScoreKind;
 use cranny_plan::{Observer, Registry};
 use cranny_record::PlanFile;
 use cranny_solve::{Answer, Request, solve};
@@ -22,18 +23,28 @@ pub fn replay(
     registry: &Registry,
     output: Output,
 ) -> Result<TreeRecording, Failure> {
-    let mut watched = Watched {
-        recording: TreeRecording::new(problem.robot().clone(), TreeRecording::MOST_NODES),
-        progress: SearchProgress::new(output.quiet, Arc::default()),
+    let search = |request: Request| -> Result<(TreeRecording, bool), Failure> {
+        let mut watched = Watched {
+            recording: TreeRecording::new(problem.robot().clone(), TreeRecording::MOST_NODES),
+            progress: SearchProgress::new(output.quiet, Arc::default()),
+        };
+        let answer = solve(problem, &request, &mut watched)?;
+        watched.progress.finish();
+        Ok((watched.recording, is_same(plan, &answer)))
     };
     let request = Request { registry: registry.clone(), ..plan.request() };
-    let answer = solve(problem, &request, &mut watched)?;
-    watched.progress.finish();
-    let recording = watched.recording;
+    let (mut recording, mut is_repeated) = search(request.clone())?;
+    if !is_repeated && plan.score == ScoreKind::Load {
+        // Loads that the file of grasps states have ranked them instead of computed ones.
+        let stated = search(Request { score: None, ..request })?;
+        if stated.1 {
+            (recording, is_repeated) = stated;
+        }
+    }
     let note = |text: String| text::note(&format!("{}: {text}", file.display()));
     if plan.optimisation.is_some() {
         note("the trees are those of its first search; later searches improved the path".to_owned())?;
-    } else if !is_same(plan, &answer) {
+    } else if !is_repeated {
         note(format!(
             "its search gave another result this time (was the plan made by another version, {}?)",
             plan.version
