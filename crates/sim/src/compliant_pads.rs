@@ -11,7 +11,7 @@ use cranny_spatial::{Point, Pose, Rotation, Vector};
 use rapier3d_f64::prelude::{PhysicsWorld, RigidBodyHandle};
 
 use crate::engine;
-use crate::gripper::Gripper;
+use crate::gripper::{Gripper, PalmMotion};
 use crate::spring_tip::{DEEPEST_M, Grip, Law, grip};
 
 /// Distance ahead of a pad at which it may touch the object within a step, in metres.
@@ -116,12 +116,14 @@ impl<'a> CompliantPads<'a> {
     pub fn press(&mut self, world: &mut PhysicsWorld, gripper: &Gripper<'_>, object: RigidBodyHandle) {
         let body = &world.bodies[object];
         let world_from_object = engine::to_pose(body.position());
-        let touches = self.touches(world, gripper, &world_from_object);
+        let dt = world.integration_parameters.dt;
+        let palm = gripper.palm_motion(world, dt);
+        let center = (world_from_object * self.center).coords;
+        let touches = self.touches(world, gripper, &palm, (&world_from_object, &center));
         self.forces = [Vector::zeros(); 2];
         if touches.is_empty() {
             return;
         }
-        let dt = world.integration_parameters.dt;
         let turn = world_from_object.rotation.to_rotation_matrix();
         let inertia = turn.matrix() * self.inertia_kg_m2 * turn.matrix().transpose();
         let mut mass = Square::zeros();
@@ -139,9 +141,7 @@ impl<'a> CompliantPads<'a> {
             mass[(6 + side, 6 + side)] = finger_kg;
             free[6 + side] = rate + force_n * dt / finger_kg;
         }
-        let palm = gripper.palm_motion(world, dt);
         let mut carried = free;
-        let center = (world_from_object * self.center).coords;
         carried.fixed_rows_mut::<3>(0).copy_from(&palm.at_point(&center));
         carried.fixed_rows_mut::<3>(3).copy_from(&palm.angular);
         carried.fixed_rows_mut::<2>(6).fill(0.0);
@@ -154,11 +154,9 @@ impl<'a> CompliantPads<'a> {
         &mut self,
         world: &PhysicsWorld,
         gripper: &Gripper<'_>,
-        world_from_object: &Pose,
+        palm: &PalmMotion,
+        (world_from_object, center): (&Pose, &Vector),
     ) -> Vec<Touch> {
-        let dt = world.integration_parameters.dt;
-        let center = (world_from_object * self.center).coords;
-        let palm = gripper.palm_motion(world, dt);
         let springs = (self.stiffness, SHEAR_SHARE * self.stiffness);
         let world_from_palm = engine::to_pose(world.bodies[gripper.palm].position());
         let closed_m = gripper.closed_m(world);
@@ -334,10 +332,8 @@ impl Place<'_> {
         if grip.force.z <= 0.0 {
             return meet_at(rest);
         }
-        if grip.slid_m == Vector2::zeros() {
-            return held;
-        }
-        let tip = off.xy() + grip.slid_m;
+        let Some(slid_m) = grip.slid_m else { return held };
+        let tip = off.xy() + slid_m;
         meet_at(rest + self.axes.tr_mul(&Vector::new(tip.x, tip.y, 0.0)))
     }
 }

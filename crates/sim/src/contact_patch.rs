@@ -178,6 +178,7 @@ fn share_of_limits(patch: &[Corner], manifold: &ContactManifold, normal: Vector,
     if points.is_empty() || !of_engine.is_finite() {
         return 1.0;
     }
-    let of_patch = limit_factor(&points, Vector3::new(pull.dot(x), pull.dot(y), turn), LEAST_ARM_M);
+    let of_patch =
+        limit_factor(&points, Vector3::new(pull.dot(x), pull.dot(y), turn), Vector3::zeros(), LEAST_ARM_M);
     (of_patch / of_engine).min(1.0)
 }

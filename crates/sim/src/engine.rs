@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use cranny_shape::ShapeError;
+use cranny_shape::{ShapeError, TriangleSoup};
 use cranny_spatial::nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use cranny_spatial::{Point, Pose, Vector};
 use rapier3d_f64::math::{Matrix, Pose as RapierPose, Rotation as RapierRotation, Vector as RapierVector};
@@ -11,7 +11,7 @@ use rapier3d_f64::parry::query;
 use rapier3d_f64::prelude::{
     ActiveHooks, CoefficientCombineRule, Collider, ColliderBuilder, ContactPair, FrictionModel, Group,
     InteractionGroups, InteractionTestMode, MassProperties, PhysicsWorld, SharedShape, SolverContactGeneric,
-    SpringCoefficients,
+    SpringCoefficients, TriMeshFlags,
 };
 
 use crate::contact_patch::ContactPatch;
@@ -27,6 +27,11 @@ pub(crate) const BACK: InteractionGroups =
     InteractionGroups::new(Group::GROUP_1, Group::GROUP_2, InteractionTestMode::And);
 pub(crate) const OBJECT: InteractionGroups =
     InteractionGroups::new(Group::GROUP_2, Group::ALL, InteractionTestMode::And);
+/// An object with a shell: its convex parts meet the surroundings, and its shell the hand.
+pub(crate) const PARTS: InteractionGroups =
+    InteractionGroups::new(Group::GROUP_2, Group::GROUP_3, InteractionTestMode::And);
+pub(crate) const SHELL: InteractionGroups =
+    InteractionGroups::new(Group::GROUP_2, Group::GROUP_1, InteractionTestMode::And);
 pub(crate) const SURROUNDINGS: InteractionGroups =
     InteractionGroups::new(Group::GROUP_3, Group::ALL, InteractionTestMode::And);
 
@@ -113,6 +118,15 @@ pub(crate) fn colliders(
             .build())
     };
     pieces.iter().map(collider).collect()
+}
+
+/// Creates a collider of the surface of a closed mesh; `None` if it has no triangles.
+pub(crate) fn shell(mesh: &TriangleSoup) -> Option<Collider> {
+    let corners = mesh.vertices.iter().map(|vertex| vector(&vertex.coords)).collect();
+    let flags = TriMeshFlags::FIX_INTERNAL_EDGES;
+    let shape = SharedShape::trimesh_with_flags(corners, mesh.triangles.clone(), flags).ok()?;
+    let shell = ColliderBuilder::new(shape).density(0.0).restitution(0.0).collision_groups(SHELL);
+    Some(shell.friction_combine_rule(CoefficientCombineRule::Max).build())
 }
 
 fn shape(piece: &Piece) -> Option<(RapierPose, SharedShape)> {

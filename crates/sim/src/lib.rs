@@ -20,6 +20,7 @@ mod recording;
 mod rest;
 mod rolling;
 mod settling;
+mod shell;
 mod spring_tip;
 
 pub use crate::error::SimError;

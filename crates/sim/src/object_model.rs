@@ -5,6 +5,7 @@ use cranny_spatial::{Point, Pose};
 use rapier3d_f64::prelude::{Collider, MassProperties, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle};
 
 use crate::rolling::Rolling;
+use crate::shell::Shell;
 use crate::{Disturbance, Piece, SimError, engine};
 
 /// Object in the form of the engine.
@@ -12,8 +13,12 @@ use crate::{Disturbance, Piece, SimError, engine};
 pub(crate) struct ObjectModel {
     pub name: String,
     pub pieces: Vec<Piece>,
-    /// Surface of the pieces.
+    /// Exact surface, which pads meet.
     pub surface: Surface,
+    /// Surface for display.
+    pub shown: TriangleSoup,
+    /// Surface that fingers with pads meet instead of the pieces; `None` if these are accurate.
+    pub shell: Option<Shell>,
     /// Centre of mass.
     pub center: Point,
     pub mass_kg: f64,
@@ -31,13 +36,13 @@ impl ObjectModel {
             none if none.is_empty() => Piece::of_hulls(&Pose::identity(), object.parts.parts.iter().cloned()),
             exact => exact,
         };
-        let mut soup = TriangleSoup::default();
-        for piece in &pieces {
-            soup.append(&piece.shape.surface().unwrap_or_default(), &piece.body_from_piece);
-        }
+        let shown = if object.solids.is_empty() { object.mesh.clone() } else { Piece::surface_of(&pieces) };
         let shape = |reason| SimError::Shape { of: object.name.clone(), reason };
+        let surface = Surface::new(&shown).map_err(shape)?;
         Ok(Self {
-            surface: Surface::new(&soup).map_err(shape)?,
+            shell: Shell::of(object, &surface),
+            surface,
+            shown,
             name: object.name.clone(),
             center: object.center_of_mass,
             mass_kg: object.mass_kg,
@@ -64,9 +69,29 @@ impl ObjectModel {
         }
     }
 
-    /// Inserts the object into a world, free to move.
+    /// Inserts the object into a world, free to move: its pieces, which everything meets.
     pub fn insert(
         &self,
+        world_from_object: &Pose,
+        disturbance: &Disturbance,
+        world: &mut PhysicsWorld,
+    ) -> RigidBodyHandle {
+        self.insert_with(None, world_from_object, disturbance, world)
+    }
+
+    /// Inserts the object into a world with a hand with pads, free to move: its shell, if it has one, meets the hand.
+    pub fn insert_for_pads(
+        &self,
+        world_from_object: &Pose,
+        disturbance: &Disturbance,
+        world: &mut PhysicsWorld,
+    ) -> RigidBodyHandle {
+        self.insert_with(self.shell.as_ref(), world_from_object, disturbance, world)
+    }
+
+    fn insert_with(
+        &self,
+        shell: Option<&Shell>,
         world_from_object: &Pose,
         disturbance: &Disturbance,
         world: &mut PhysicsWorld,
@@ -78,8 +103,11 @@ impl ObjectModel {
             .can_sleep(false)
             .additional_mass_properties(mass_properties);
         let object = world.insert_body(body);
-        for collider in &self.colliders {
+        for collider in self.colliders.iter().chain(shell.map(|shell| &shell.collider)) {
             let mut collider = collider.clone();
+            if shell.is_some() && collider.collision_groups() == engine::OBJECT {
+                collider.set_collision_groups(engine::PARTS);
+            }
             collider.set_friction(disturbance.friction_of(&self.friction));
             world.insert_collider(collider, Some(object));
         }

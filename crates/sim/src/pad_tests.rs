@@ -109,7 +109,7 @@ fn factor(setup: &Setup, pull: Vector3<f64>) -> f64 {
     let load = setup.hand.closing_force_n / tips.len() as f64;
     let points: Vec<_> =
         tips.iter().map(|tip| ([tip.x - pads.middle_m[0], tip.z - pads.middle_m[1]], load)).collect();
-    setup.friction * limit_factor(&points, pull, 0.0)
+    setup.friction * limit_factor(&points, pull, Vector3::zeros(), 0.0)
 }
 
 #[test]

@@ -71,6 +71,15 @@ impl Piece {
         hulls.into_iter().map(piece).collect()
     }
 
+    /// Surfaces of pieces for display, in the frame of the body.
+    pub(crate) fn surface_of(pieces: &[Self]) -> TriangleSoup {
+        let mut surface = TriangleSoup::default();
+        for piece in pieces {
+            surface.append(&piece.shape.surface().unwrap_or_default(), &piece.body_from_piece);
+        }
+        surface
+    }
+
     /// Returns the pieces of a body of a world, in the planning frame.
     ///
     /// # Errors

@@ -1,8 +1,6 @@
 use cranny_shape::TriangleSoup;
 use cranny_spatial::Pose;
 
-use crate::Piece;
-
 /// Recorded motions of bodies in a simulation, for display.
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
@@ -17,25 +15,14 @@ pub struct Recording {
 pub struct RecordedBody {
     /// Name of the body.
     pub name: String,
-    /// Convex pieces of the body.
-    pub pieces: Vec<Piece>,
+    /// Surface for display, in the frame of the body.
+    pub surface: TriangleSoup,
     /// Pose in the planning frame at each instant.
     pub world_from_body: Vec<Pose>,
 }
 
 impl RecordedBody {
-    pub(crate) fn new(name: &str, pieces: &[Piece]) -> Self {
-        Self { name: name.to_owned(), pieces: pieces.to_vec(), world_from_body: Vec::new() }
-    }
-
-    /// Returns the surfaces of the pieces for display, in the frame of the body.
-    pub fn surface(&self) -> TriangleSoup {
-        let mut surface = TriangleSoup::default();
-        for piece in &self.pieces {
-            if let Some(soup) = piece.shape.surface() {
-                surface.append(&soup, &piece.body_from_piece);
-            }
-        }
-        surface
+    pub(crate) fn new(name: &str, surface: TriangleSoup) -> Self {
+        Self { name: name.to_owned(), surface, world_from_body: Vec::new() }
     }
 }

@@ -9,8 +9,8 @@ pub(crate) struct Grip {
     pub force: Vector3<f64>,
     /// Derivative of the force with respect to a displacement of the pad against the object, in N/m.
     pub stiffness: Matrix3<f64>,
-    /// Displacement of the tip along the pad by sliding, in metres.
-    pub slid_m: Vector2<f64>,
+    /// Displacement of the tip along the pad by sliding, in metres; `None` if it sticks.
+    pub slid_m: Option<Vector2<f64>>,
 }
 
 /// Stiffness of a tip that slides.
@@ -23,7 +23,7 @@ pub(crate) enum Law {
 }
 
 /// Maximum depth of a spring, in metres: behind it, a finger is rigid.
-pub(crate) const DEEPEST_M: f64 = 3e-3;
+pub(crate) const DEEPEST_M: f64 = 5e-3;
 /// Minimum component of the normal against the pad: on steeper slopes a tip slides as on this one.
 const LEAST_FACING: f64 = 0.3;
 
@@ -56,7 +56,7 @@ pub(crate) fn grip(
         stiffness[(0, 0)] = along;
         stiffness[(1, 1)] = along;
         let force = Vector3::new(sheared.x, sheared.y, pressed_n);
-        return Grip { force, stiffness, slid_m: Vector2::zeros() };
+        return Grip { force, stiffness, slid_m: None };
     }
     let per_press = without_friction + toward * most;
     // The depth changes with the slope on which the tip slides.
@@ -77,7 +77,7 @@ pub(crate) fn grip(
     stiffness.fixed_view_mut::<1, 2>(2, 0).copy_from(&-by_tip.transpose());
     stiffness.fixed_view_mut::<2, 2>(0, 0).copy_from(&(turning * along - per_press * by_tip.transpose()));
     stiffness.fixed_view_mut::<2, 1>(0, 2).copy_from(&(per_press * (across / yielding)));
-    let slid_m = -borne / along - tip_m;
+    let slid_m = Some(-borne / along - tip_m);
     Grip { force: Vector3::new(borne.x, borne.y, pressed_n), stiffness, slid_m }
 }
 
@@ -86,7 +86,7 @@ impl Grip {
     const NONE: Self = Self {
         force: Vector3::new(0.0, 0.0, 0.0),
         stiffness: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        slid_m: Vector2::new(0.0, 0.0),
+        slid_m: None,
     };
 }
 

@@ -44,6 +44,50 @@ fn what_is_held_in_the_middle_stays_there() {
     assert!((run.contact_force_n - 40.0).abs() < 0.8, "{} N", run.contact_force_n);
 }
 
+/// A quarter of a pipe with a wall of 4 mm, which convex parts fill partly: the fingers close on the wall itself.
+#[test]
+fn fingers_close_on_a_curved_wall_and_not_on_the_convex_parts_around_it() {
+    let mut outline = Vec::new();
+    for (radius_m, steps) in [(0.04, 0..=8), (0.036, 0..=8)] {
+        let angles: Vec<i32> = if radius_m > 0.038 { steps.collect() } else { steps.rev().collect() };
+        for step in angles {
+            let (sine, cosine) =
+                cranny_spatial::sin_cos(std::f64::consts::PI * (0.25 + f64::from(step) / 16.0));
+            outline.push([radius_m * cosine, radius_m * sine]);
+        }
+    }
+    let count = u32::try_from(outline.len()).unwrap();
+    let mut wall = TriangleSoup::default();
+    for z in [-0.03, 0.03] {
+        wall.vertices.extend(outline.iter().map(|[x, y]| cranny_spatial::Point::new(*x, *y, z)));
+    }
+    for side in 0..count {
+        let next = (side + 1) % count;
+        wall.triangles.extend([[side, next, next + count], [side, next + count, side + count]]);
+    }
+    // Both ends: the outer side of a step, and the inner one opposite to it.
+    for step in 0..count / 2 - 1 {
+        let quad = [step, step + 1, count - 2 - step, count - 1 - step];
+        for [a, b, c] in [[0, 2, 1], [0, 3, 2]] {
+            wall.triangles.push([quad[a], quad[b], quad[c]]);
+            wall.triangles.push([quad[a] + count, quad[c] + count, quad[b] + count]);
+        }
+    }
+    let test = floating(&object(&wall, 0.1, 0.5));
+    let run =
+        test.run(&(Pose::translation(0.0, 0.038, 0.0) * from_above(0.025)), &Disturbance::default(), true);
+    assert_eq!(run.outcome, GraspOutcome::Held, "{run:?}");
+    let recording = run.recording.unwrap();
+    let moved = |name: &str| {
+        let body = recording.bodies.iter().find(|body| body.name == name).unwrap();
+        let palm = recording.bodies.iter().find(|body| body.name == "palm").unwrap();
+        let at = |index: usize| palm.world_from_body[index].inverse() * body.world_from_body[index];
+        (at(recording.times_s.len() - 1).translation.vector - at(0).translation.vector).norm()
+    };
+    let gap_m = BoxHand::default().opening_m - moved("finger 1") - moved("finger 2");
+    assert!((gap_m - 0.004).abs() < 1e-3, "{gap_m}");
+}
+
 #[test]
 fn what_is_too_smooth_or_too_heavy_falls() {
     // Friction bears 2 μ N = 1.6 N, or 4 N, of the weight.

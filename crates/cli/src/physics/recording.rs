@@ -49,7 +49,7 @@ pub fn kind_of(file: &Path) -> Result<FileKind, Failure> {
 pub fn of_run(name: &str, surroundings: &[Body], run: &Recording) -> BodyRecording {
     let body = |(index, body): (usize, &RecordedBody)| MovingBody {
         name: body.name.clone(),
-        surface: body.surface(),
+        surface: body.surface.clone(),
         is_grasped: index == 0,
         world_from_body: body.world_from_body.clone(),
     };
@@ -78,7 +78,7 @@ pub fn of_picks(scenario: &Scenario, picks: &mut [PickRun]) -> BodyRecording {
     let arm = steps.first().into_iter().flat_map(|step| &step.run.bodies[1..]);
     let link = |(index, link): (usize, &RecordedBody)| MovingBody {
         name: link.name.clone(),
-        surface: link.surface(),
+        surface: link.surface.clone(),
         is_grasped: false,
         world_from_body: steps
             .iter()

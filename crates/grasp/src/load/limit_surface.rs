@@ -6,12 +6,14 @@ use cranny_spatial::nalgebra::{Matrix3, Vector3};
 pub type LoadedPoint = ([f64; 2], f64);
 
 /// Factor by which a wrench in the plane of contact, two components of force and the moment about the middle (N, N m),
-/// can grow before the patch slips: with friction 1, and an additional torsional arm `arm_m` (m) of each point.
+/// can grow before the patch slips: with friction 1, an additional torsional arm `arm_m` (m) of each point, and a constant
+/// wrench `push` of its own, which friction must bear alone.
 ///
-/// Slip is a velocity ξ in the plane. Friction then takes a power of Σ Nₖ √(|v(pₖ)|² + `arm_m`² ω²), and the wrench gives w·ξ:
-/// the factor is the least ratio of the two (the limit surface: Goyal, Ruina & Papadopoulos 1991, §2). Weighted least squares
-/// find it, with weights of Nₖ by the last velocity of the point; each iteration descends.
-pub fn limit_factor(points: &[LoadedPoint], wrench: Vector3<f64>, arm_m: f64) -> f64 {
+/// Slip is a velocity ξ in the plane. Friction then takes a power of Σ Nₖ √(|v(pₖ)|² + `arm_m`² ω²), the wrench to be borne
+/// gives w·ξ, and the push takes p·ξ: the factor is the least power taken at w·ξ = 1 (the limit surface: Goyal, Ruina &
+/// Papadopoulos 1991, §2). Weighted least squares find it, with weights of Nₖ by the last velocity of the point; each
+/// iteration descends.
+pub fn limit_factor(points: &[LoadedPoint], wrench: Vector3<f64>, push: Vector3<f64>, arm_m: f64) -> f64 {
     let speed = |p: &[f64; 2], slip: &Vector3<f64>| {
         let (x, y) = (slip.x - slip.z * p[1], slip.y + slip.z * p[0]);
         (x * x + y * y + (arm_m * slip.z).powi(2)).sqrt()
@@ -28,14 +30,15 @@ pub fn limit_factor(points: &[LoadedPoint], wrench: Vector3<f64>, arm_m: f64) ->
                 power += row * row.transpose() * *weight;
             }
         }
-        let Some(slip) = power.try_inverse().map(|inverse| inverse * wrench) else { return factor };
-        let slip = slip / slip.dot(&wrench);
-        factor = points.iter().map(|(p, load)| load * speed(p, &slip)).sum();
+        let Some(inverse) = power.try_inverse() else { break };
+        let [along, pushed] = [wrench, push].map(|force| inverse * force);
+        let slip = along * ((1.0 + pushed.dot(&wrench)) / along.dot(&wrench)) - pushed;
+        factor = push.dot(&slip) + points.iter().map(|(p, load)| load * speed(p, &slip)).sum::<f64>();
         for ((p, load), weight) in points.iter().zip(&mut weights) {
             *weight = load / speed(p, &slip).max(f64::MIN_POSITIVE);
         }
     }
-    factor
+    factor.max(0.0)
 }
 
 /// Number of iterations; the factor is then known to within 1 % (see the test).
@@ -47,22 +50,24 @@ mod tests {
     use super::*;
 
     /// Least ratio over a fine grid of slips.
-    fn by_search(points: &[LoadedPoint], [fx, fy, moment]: [f64; 3], arm_m: f64) -> f64 {
+    fn by_search(points: &[LoadedPoint], [fx, fy, moment]: [f64; 3], push: &Vector3<f64>, arm_m: f64) -> f64 {
         let mut least = f64::INFINITY;
         for i in 0..400 {
             let turn = std::f64::consts::PI * f64::from(i) / 400.0;
             for j in 0..400 {
                 let share = std::f64::consts::PI * f64::from(j) / 400.0;
                 let (vx, vy, w) = (share.sin() * turn.cos(), share.sin() * turn.sin(), share.cos() / 0.01);
-                let given = (fx * vx + fy * vy + moment * w).abs();
+                let given = fx * vx + fy * vy + moment * w;
+                let (vx, vy, w) = if given < 0.0 { (-vx, -vy, -w) } else { (vx, vy, w) };
                 let taken: f64 = points
                     .iter()
                     .map(|([x, y], load)| {
                         load * ((vx - w * y).powi(2) + (vy + w * x).powi(2) + (arm_m * w).powi(2)).sqrt()
                     })
                     .sum();
-                if given > 0.0 {
-                    least = least.min(taken / given);
+                let taken: f64 = taken + push.dot(&Vector3::new(vx, vy, w));
+                if given.abs() > 0.0 {
+                    least = least.min(taken / given.abs());
                 }
             }
         }
@@ -79,12 +84,14 @@ mod tests {
             for wrench in
                 [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.01], [1.0, 0.5, 0.01], [0.3, -1.0, 0.03]]
             {
-                let (found, expected) =
-                    (limit_factor(points, wrench.into(), 0.002), by_search(points, wrench, 0.002));
-                assert!(
-                    (found / expected - 1.0).abs() < 0.02,
-                    "{points:?} {wrench:?}: {found}, not {expected}"
-                );
+                for push in [Vector3::zeros(), Vector3::new(3.0, 1.0, 0.0), Vector3::new(0.0, -2.0, 0.01)] {
+                    let found = limit_factor(points, wrench.into(), push, 0.002);
+                    let expected = by_search(points, wrench, &push, 0.002);
+                    assert!(
+                        (found / expected - 1.0).abs() < 0.02,
+                        "{points:?} {wrench:?} {push:?}: {found}, not {expected}"
+                    );
+                }
             }
         }
     }
@@ -92,10 +99,12 @@ mod tests {
     #[test]
     fn an_edge_turns_at_the_load_of_its_ends_times_their_arms() {
         let edge = [([-0.007, 0.0], 35.0), ([0.007, 0.0], 35.0)];
-        assert!((limit_factor(&edge, Vector3::z(), 0.0) - 70.0 * 0.007).abs() < 1e-3);
+        assert!((limit_factor(&edge, Vector3::z(), Vector3::zeros(), 0.0) - 70.0 * 0.007).abs() < 1e-3);
         // A pull across the edge adds to the turn at one end: F/2 + M/L = N/2.
         let pull = 20.0;
         let moment = (35.0 - 0.5 * pull) * 0.014;
-        assert!((limit_factor(&edge, Vector3::new(0.0, pull, moment), 0.0) - 1.0).abs() < 0.01);
+        assert!(
+            (limit_factor(&edge, Vector3::new(0.0, pull, moment), Vector3::zeros(), 0.0) - 1.0).abs() < 0.01
+        );
     }
 }

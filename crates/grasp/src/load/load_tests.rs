@@ -32,12 +32,15 @@ fn a_bar_held_beside_its_centre_needs_the_friction_of_statics() {
     }
 }
 
-/// A wedge that widens along x is squeezed out unless friction exceeds the loss due to the slope of its sides. A roof whose
-/// ridge lies under the pads is not.
+/// A wedge that widens along x is squeezed out unless friction exceeds the slope of its sides. A slope leaves less friction
+/// across it, and still less in its direction, but more against it. A roof whose ridge lies under the pads is not squeezed out.
 #[test]
 fn a_wedge_slips_out_where_its_slope_exceeds_friction() {
     let slope = 0.3;
-    let load = |widths: [f64; 3], friction: f64| {
+    let load = |widths: [f64; 3], friction: f64, up: Vector| {
+        // Below the centre of pressure: a wedge bears on the last of four columns of cells.
+        let is_wedge = widths[2] > widths[1];
+        let center = Point::new(if is_wedge { 0.75 * FRANKA.half_m[0] } else { 0.0 }, 0.0, 0.0);
         let mut outline = Vec::new();
         for (x, width_m) in [-0.06, 0.0, 0.06].into_iter().zip(widths) {
             outline.push(Point::new(x, 0.5 * width_m, 0.0));
@@ -56,19 +59,27 @@ fn a_wedge_slips_out_where_its_slope_exceeds_friction() {
         let object = HeldObject {
             surface: Surface::new(&TriangleSoup { vertices, triangles }).unwrap(),
             mass_kg: 0.1,
-            center: Point::origin(),
+            center,
             inertia_kg_m2: Matrix3::identity() * 1e-4,
             friction,
         };
-        LoadMeasure::new(object, FRANKA, 40.0, Vector::z(), Vec::new()).of(&Pose::identity()).at_rest
+        LoadMeasure::new(object, FRANKA, 40.0, up, Vec::new()).of(&Pose::identity()).at_rest
     };
     let rise = 2.0 * slope * 0.06;
-    let wedge = |friction: f64| load([0.04 - rise, 0.04, 0.04 + rise], friction);
-    let taken = 0.7 * slope;
-    assert!(wedge(0.99 * taken) < 1e-9);
-    let (more, less) = (wedge(taken + 0.2), wedge(taken + 0.1));
-    assert!((more / less - 2.0).abs() < 1e-6, "{more} with twice the friction that is left, {less}");
-    assert!(load([0.04 - rise, 0.04, 0.04 - rise], 0.2) > 1.0);
+    let wedge = |friction: f64, up: Vector| load([0.04 - rise, 0.04, 0.04 + rise], friction, up);
+    assert!(wedge(0.99 * slope, Vector::z()) < 1e-9);
+    let friction = 0.5;
+    let flat = load([0.04; 3], friction, Vector::z());
+    // Gravity pulls across, with the push towards the thick end, and against it.
+    for (up, share) in [
+        (Vector::z(), (1.0 - (slope / friction).powi(2)).sqrt()),
+        (-Vector::x(), 1.0 - slope / friction),
+        (Vector::x(), 1.0 + slope / friction),
+    ] {
+        let found = wedge(friction, up) / flat;
+        assert!((found / share - 1.0).abs() < 0.03, "{up}: {found}, not {share}");
+    }
+    assert!(load([0.04 - rise, 0.04, 0.04 - rise], 0.2, Vector::z()) > 1.0);
 }
 
 /// A bar that is level at rest is held least on end or across; held at its middle, gravity has no lever.

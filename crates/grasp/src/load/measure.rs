@@ -76,10 +76,9 @@ impl Load {
 /// 1. Samples the sides of the object between the pads, over 24 cells.
 /// 2. Computes its rest position between them (least energy), and the pressure on each cell.
 /// 3. Computes the required force and moment about the point midway between the centres of pressure.
-/// 4. Computes the force with which the pads squeeze it out: pressure times slope, where the object rises up to the border of a
-///    pad. This force uses up a share of the friction.
-/// 5. A shift of pressure bears the moments about x and z first, a couple of friction forces the rest. The pads share the
-///    forces in their plane and the moment about the closing axis equally.
+/// 4. Computes the force and the moment with which the pads push it where they press on slopes: pressure times slope.
+/// 5. A shift of pressure bears the moments about x and z first, as far as the pads yield to a turn of 3°, a couple of friction
+///    forces the rest. The pads share the forces in their plane and the moment about the closing axis equally.
 /// 6. At rest, the factor follows from the limit surface of each pad (Goyal, Ruina & Papadopoulos 1991, §2); in motion, from
 ///    the ellipsoid of Howe & Cutkosky 1996, whole, which is up to 7 % too large for a face, 13 % for an edge.
 #[derive(Clone)]
@@ -110,13 +109,10 @@ const GRAVITY: f64 = 9.81;
 const LEAST_WIDTH_M: f64 = 0.002;
 /// Maximum rotation of a firmly held object while the hand closes, in radians (8°).
 const MOST_FIRM_TURN_RAD: f64 = 0.139_63;
-/// Maximum rotation of a seated object while the hand closes, in radians (3°).
+/// Maximum rotation of a seated object while the hand closes, and of a held one under its load, in radians (3°).
 const MOST_TURN_RAD: f64 = 0.052_36;
 /// Maximum displacement of a seated object while the hand closes, in metres.
 const MOST_SHIFT_M: f64 = 0.003;
-/// Share of the squeeze that is subtracted from friction, because it seldom has the direction of the load. Of 0.5, 0.7
-/// and 1 this predicts best which grasps hold (`benchmarks/load.md`).
-const SQUEEZE_SHARE: f64 = 0.7;
 /// Maximum firmness, that of a grasp that no load moves.
 const FIRMEST: f64 = 1e6;
 
@@ -135,9 +131,9 @@ impl LoadMeasure {
         let Some(held) = self.held(object_from_gripper, &between, &seat) else {
             return Load { shift_m: seat.shift_m, width_m: seat.width_m, ..Load::NOTHING };
         };
-        let at_rest = 1.0 / held.exact_use(&LoadState::GRAVITY).max(1.0 / FIRMEST);
-        let most = self.states.iter().map(|state| held.r#use(state)).fold(0.0, f64::max);
-        let in_motion = if self.states.is_empty() { at_rest } else { 1.0 / most.max(1.0 / FIRMEST) };
+        let at_rest = held.exact_factor(&LoadState::GRAVITY);
+        let least = self.states.iter().map(|state| held.factor(state, 1.0)).fold(FIRMEST, f64::min);
+        let in_motion = if self.states.is_empty() { at_rest } else { least };
         Load { at_rest, in_motion, turn_rad: seat.turn(), shift_m: seat.shift_m, width_m: seat.width_m }
     }
 
@@ -189,8 +185,7 @@ const SAFE_SHARE: f64 = 0.87;
 impl GripForces {
     /// Factor by which the loads of a motion may grow until a soft or a hard pad slips: from the ellipsoid, on the safe side.
     pub fn factor(&self, state: &LoadState) -> f64 {
-        let most = self.held.iter().map(|held| held.r#use(state)).fold(0.0, f64::max);
-        SAFE_SHARE / most.max(SAFE_SHARE / FIRMEST)
+        self.held.iter().map(|held| held.factor(state, SAFE_SHARE)).fold(FIRMEST, f64::min)
     }
 
     /// Factor by which gravity may grow until a pad slips in the worst of 26 attitudes: those with an axis, an edge or a
@@ -228,9 +223,11 @@ struct Held {
     center_in_gripper: Vector,
     inertia: Matrix3<f64>,
     up: Vector,
-    /// Coefficient of friction that remains where pads press on slopes: the rest keeps the object from being squeezed out.
-    /// Opposite squeezes rotate it instead, which the seat considers.
-    spare_friction: f64,
+    /// Coefficient of friction.
+    friction: f64,
+    /// Force along x and z and moment about y (m) with which the pads push the object, per pressing force. Opposite pushes of
+    /// the two pads rotate it instead, which the seat considers.
+    push: Vector3<f64>,
     force_n: f64,
     /// Moments about x and z that a shift of pressure bears, in N m.
     borne: [f64; 2],
@@ -248,15 +245,18 @@ impl Held {
         let [a, b] = &patches;
         let about =
             Vector::new(0.5 * (a.center_m[0] + b.center_m[0]), 0.0, 0.5 * (a.center_m[1] + b.center_m[1]));
-        let squeeze = [0, 1].map(|axis| 0.5 * (a.squeeze[axis] + b.squeeze[axis]));
-        let borne = [1, 0].map(|axis: usize| 0.5 * measure.force_n * (a.half_m[axis] + b.half_m[axis]));
+        let borne = [1, 0].map(|axis: usize| {
+            let yielding = MOST_TURN_RAD * (a.turning_stiffness[axis] + b.turning_stiffness[axis]);
+            (0.5 * measure.force_n * (a.half_m[axis] + b.half_m[axis])).min(yielding)
+        });
         Self {
             mass_kg: object.mass_kg,
             center: center_in_gripper - about,
             center_in_gripper,
             inertia: rotation.matrix() * object.inertia_kg_m2 * rotation.matrix().transpose(),
             up: rotation * measure.up,
-            spare_friction: (object.friction - SQUEEZE_SHARE * squeeze[0].hypot(squeeze[1])).max(0.0),
+            friction: object.friction,
+            push: 0.5 * (a.push + b.push),
             force_n: measure.force_n,
             borne,
             width_m: seat.width_m.max(LEAST_WIDTH_M),
@@ -288,31 +288,48 @@ impl Held {
         })
     }
 
-    /// Share of the ellipsoid that the more loaded pad uses; infinite if a pad lifts off.
-    fn r#use(&self, state: &LoadState) -> f64 {
-        let uses = self.demands(state).into_iter().zip(&self.patches).map(|((normal_n, pull), patch)| {
-            if normal_n <= 0.0 || self.spare_friction <= 0.0 {
-                return f64::INFINITY;
-            }
-            let turning = pull.z / patch.arm_m;
-            (pull.x * pull.x + pull.y * pull.y + turning * turning).sqrt() / (self.spare_friction * normal_n)
-        });
-        uses.fold(0.0, f64::max)
+    /// Force along x and z and moment about y (N, N m, per pressing force), scaled so that this share of a patch's ellipsoid is
+    /// the unit sphere.
+    fn on_ellipsoid(&self, patch: &Patch, force: Vector3<f64>, share: f64) -> Vector3<f64> {
+        Vector3::new(force.x, force.y, force.z / patch.arm_m) / (share * self.friction)
     }
 
-    /// Share of its limit surface that the more loaded pad uses.
-    fn exact_use(&self, state: &LoadState) -> f64 {
-        let uses = self.demands(state).into_iter().zip(&self.patches).map(|((normal_n, pull), patch)| {
-            let borne: f64 = patch.points.iter().map(|(_, load)| load).sum();
-            if normal_n <= 0.0 || self.spare_friction <= 0.0 {
-                return f64::INFINITY;
-            }
-            if pull.norm() == 0.0 {
+    /// Factor by which the loads may grow until the more loaded pad reaches this share of its ellipsoid; 0 if a pad lifts off.
+    fn factor(&self, state: &LoadState, share: f64) -> f64 {
+        let factors = self.demands(state).into_iter().zip(&self.patches).map(|((normal_n, pull), patch)| {
+            if normal_n <= 0.0 || self.friction <= 0.0 {
                 return 0.0;
             }
-            let factor = limit_factor(&patch.points, pull, patch.point_arm_m);
-            borne / (self.spare_friction * normal_n * factor)
+            let [pull, push] =
+                [pull / normal_n, self.push].map(|force| self.on_ellipsoid(patch, force, share));
+            let (square, along, spare) = (pull.norm_squared(), pull.dot(&push), 1.0 - push.norm_squared());
+            if spare <= 0.0 {
+                return 0.0;
+            }
+            // The greater root of |factor · pull − push| = 1.
+            let root = (along * along + square * spare).sqrt();
+            if along > 0.0 { (along + root) / square } else { spare / (root - along) }
         });
-        uses.fold(0.0, f64::max)
+        factors.fold(FIRMEST, f64::min)
+    }
+
+    /// Factor by which the loads may grow until the more loaded pad reaches its limit surface; 0 if a pad lifts off.
+    fn exact_factor(&self, state: &LoadState) -> f64 {
+        let factors = self.demands(state).into_iter().zip(&self.patches).map(|((normal_n, pull), patch)| {
+            let borne: f64 = patch.points.iter().map(|(_, load)| load).sum();
+            if normal_n <= 0.0 || self.friction <= 0.0 {
+                return 0.0;
+            }
+            if self.on_ellipsoid(patch, self.push, 1.0).norm_squared() >= 1.0 {
+                return 0.0;
+            }
+            if pull.norm_squared() <= 0.0 {
+                return FIRMEST;
+            }
+            let push = self.push * (borne / self.friction);
+            let factor = limit_factor(&patch.points, pull, push, patch.point_arm_m);
+            self.friction * normal_n * factor / borne
+        });
+        factors.fold(FIRMEST, f64::min)
     }
 }

@@ -1,4 +1,6 @@
-use crate::load::between::{Between, CELLS, Cell};
+use cranny_spatial::nalgebra::Vector3;
+
+use crate::load::between::{Between, Cell};
 use crate::load::limit_surface::LoadedPoint;
 use crate::load::seat::Seat;
 
@@ -17,18 +19,21 @@ pub(crate) struct Patch {
     pub arm_m: f64,
     /// Half of the extent of the bearing cells, along x and z, in metres.
     pub half_m: [f64; 2],
+    /// Resistance to a turn that shifts the pressure along x and along z, in N m per radian.
+    pub turning_stiffness: [f64; 2],
     /// Bearing cells, relative to the centre of pressure.
     pub points: Vec<LoadedPoint>,
     /// Additional torsional arm of each point, in metres.
     pub point_arm_m: f64,
-    /// Force along x and z with which the pad squeezes the object out along its plane, as a share of the pressing force.
-    pub squeeze: [f64; 2],
+    /// Force along x and z and moment about the centre of pressure (m, from x to z) with which the pad would push the object
+    /// without friction, per pressing force: it presses on slopes.
+    pub push: Vector3<f64>,
 }
 
 impl Patch {
     /// Patch of a pad, 0 at +y and 1 at −y, on a seated object; `None` if no cell bears.
     pub fn of(between: &Between, seat: &Seat, pad: usize) -> Option<Self> {
-        let pressure = &seat.pressures[pad];
+        let (pressure, side) = (&seat.pressures[pad], [1.0, -1.0][pad]);
         let total: f64 = pressure.iter().sum();
         if total <= 0.0 {
             return None;
@@ -53,42 +58,20 @@ impl Patch {
             });
             0.5 * (high - low)
         };
-        let squeezed = bearing().fold([0.0; 2], |sum, (cell, load)| {
-            [0, 1].map(|axis| sum[axis] + load * squeeze(between, seat, pad, cell, axis))
+        let pushed = bearing().fold(Vector3::zeros(), |sum, (cell, load)| {
+            let [x, z] = [0, 1].map(|axis| cell.rise[pad][axis] + side * seat.turn_rad[axis]);
+            sum + Vector3::new(x, z, (cell.x - center_m[0]) * z - (cell.z - center_m[1]) * x) * *load
         });
         Some(Self {
             center_m,
             arm_m,
+            turning_stiffness: [0, 1].map(|axis| {
+                seat.stiffness * points.iter().map(|(point, _)| point[axis] * point[axis]).sum::<f64>()
+            }),
             half_m: [extent(|cell| cell.x), extent(|cell| cell.z)],
             points,
             point_arm_m,
-            squeeze: squeezed.map(|force| force / total),
+            push: pushed / total,
         })
     }
 }
-
-/// Rise of a seated object towards a pad along an axis (0: x, 1: z) at a cell, if it continues to the border of the pad,
-/// where the pad presses on a slope. Otherwise 0: the rise ends at a summit under the pad, on which the pad lies flat.
-fn squeeze(between: &Between, seat: &Seat, pad: usize, cell: &Cell, axis: usize) -> f64 {
-    let side = [1.0, -1.0][pad];
-    let height = |cell: &Cell| {
-        let turned = seat.turn_rad[0] * cell.x + seat.turn_rad[1] * cell.z;
-        side * ([cell.upper, cell.lower][pad] + turned)
-    };
-    let rise = cell.rise[pad][axis] + side * seat.turn_rad[axis];
-    let mut at = cell.at;
-    let mut highest = height(cell);
-    loop {
-        let next = at[axis].checked_add_signed(if rise > 0.0 { 1 } else { -1 });
-        let Some(next) = next.filter(|next| *next < CELLS[axis]) else { return rise };
-        at[axis] = next;
-        let above = between.grid[at[0]][at[1]].map(|index| height(&between.cells[index]));
-        match above.filter(|above| *above >= highest - LEVEL_M) {
-            Some(above) => highest = above,
-            None => return 0.0,
-        }
-    }
-}
-
-/// Height difference below which surfaces are level, in metres.
-const LEVEL_M: f64 = 1e-6;

@@ -24,6 +24,8 @@ pub(crate) struct Seat {
     pub turn_rad: [f64; 2],
     /// Forces on the cells of the pad at +y and of the pad at −y, in newtons, one per cell.
     pub pressures: [Vec<f64>; 2],
+    /// Stiffness of a cell, in N/m.
+    pub stiffness: f64,
     /// Width of the object between the pads, in metres.
     pub width_m: f64,
 }
@@ -108,6 +110,6 @@ impl Seat {
         }
         let pressures = [0, 1]
             .map(|pad| (0..cells.len()).map(|cell| stiffness * depths(&v, cell)[pad]).collect::<Vec<f64>>());
-        Some(Self { shift_m: v[1], turn_rad: [v[2], v[3]], pressures, width_m })
+        Some(Self { shift_m: v[1], turn_rad: [v[2], v[3]], pressures, stiffness, width_m })
     }
 }

@@ -102,7 +102,9 @@ impl GraspTest {
         for collider in &self.surroundings_colliders {
             world.insert_collider(collider.clone(), None);
         }
-        let object = self.object.insert(&self.world_from_object, disturbance, &mut world);
+        let insert =
+            if self.hand.pads.is_some() { ObjectModel::insert_for_pads } else { ObjectModel::insert };
+        let object = insert(&self.object, &self.world_from_object, disturbance, &mut world);
         (world, object)
     }
 

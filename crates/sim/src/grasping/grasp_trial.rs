@@ -97,11 +97,11 @@ impl<'a> GraspTrial<'a> {
             recorded: Vec::new(),
         };
         if let Some(others) = recorded {
-            let body = |name: &str, pieces: &[Piece]| RecordedBody::new(name, pieces);
-            let mut bodies =
-                vec![body(&test.object.name, &test.object.pieces), body("palm", &test.hand.palm)];
+            let part = |name: &str, pieces: &[Piece]| RecordedBody::new(name, Piece::surface_of(pieces));
+            let shown = RecordedBody::new(&test.object.name, test.object.shown.clone());
+            let mut bodies = vec![shown, part("palm", &test.hand.palm)];
             for (index, finger) in test.hand.fingers.iter().enumerate() {
-                bodies.push(body(&format!("finger {}", index + 1), &finger.pieces));
+                bodies.push(part(&format!("finger {}", index + 1), &finger.pieces));
             }
             trial.recorded = vec![object, trial.gripper.palm];
             trial.recorded.extend(&trial.gripper.fingers);
@@ -144,7 +144,9 @@ impl<'a> GraspTrial<'a> {
         let is_in = |own: &Collider, other: &Collider| engine::depth_m(own, other) > BLOCKED_M;
         let fingers = || self.gripper.fingers.iter().copied().flat_map(of_body);
         let mut hand = of_body(self.gripper.palm).chain(fingers());
-        if hand.any(|own| of_body(self.object).any(|other| is_in(own, other))) {
+        // Of an object with a shell, its parts do not meet the hand.
+        let object = || of_body(self.object).filter(|part| part.collision_groups() != engine::PARTS);
+        if hand.any(|own| object().any(|other| is_in(own, other))) {
             return Some(GraspOutcome::KnockedAway);
         }
         fingers().any(|own| around().any(|other| is_in(own, other))).then_some(GraspOutcome::NeverClosed)

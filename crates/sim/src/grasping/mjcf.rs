@@ -12,6 +12,7 @@ use cranny_spatial::{Pose, Vector};
 
 use crate::compliant_pads::{spring_stiffness, spring_tips};
 use crate::gripper::FINGER_RADIUS_M;
+use crate::shell::Shell;
 use crate::{GraspTest, Physics, Piece, PieceShape};
 
 /// Number of MuJoCo steps per [`Physics::step_s`]. The engine here solves the constraints of a step in as many substeps.
@@ -72,7 +73,11 @@ impl Mjcf {
     <default class="back"><geom contype="8" conaffinity="0" condim="1" friction="0 0 0"/></default>
     <default class="tip"><geom contype="16" conaffinity="0" condim="1" friction="0 0 0" solmix="1e6" solref="{rigid_s} 1" solimp="{IMPEDANCE}"/></default>
     <default class="surroundings"><geom contype="4" conaffinity="2" condim="6" friction="0 0 {rolling_m}"/></default>
-    <default class="object"><geom contype="0" conaffinity="{of_object}" condim="{object_dimensions}" friction="{friction} {torsional_friction_m} 0"/></default>
+    <default class="object">
+      <geom contype="0" conaffinity="{of_object}" condim="{object_dimensions}" friction="{friction} {torsional_friction_m} 0"/>
+      <default class="part"><geom conaffinity="4"/></default>
+      <default class="shell"><geom conaffinity="{of_shell}"/></default>
+    </default>
   </default>
   <asset>
 {meshes}  </asset>
@@ -86,6 +91,7 @@ impl Mjcf {
 "#,
             // The palm, surroundings, and either the fingers or their springs with what is behind these.
             of_object = if test.hand.pads.is_some() { 1 + 4 + 8 + 16 } else { 1 + 2 + 4 },
+            of_shell = 1 + 8 + 16,
             // A tip is light, and contacts yield in proportion to mass.
             rigid_s = 2.0 * timestep_s,
             down = -gravity,
@@ -177,8 +183,12 @@ impl Mjcf {
         let i = &object.inertia_kg_m2;
         let (diagonal, others) = ([i.m11, i.m22, i.m33], [i.m12, i.m13, i.m23]);
         self.bodies += &inertial(&object.center.coords, object.mass_kg, diagonal, others);
+        let shell = object.shell.as_ref().filter(|_| test.hand.pads.is_some()).and_then(Shell::prisms);
         for piece in &object.pieces {
-            self.geom(6, "object", piece);
+            self.geom(6, if shell.is_some() { "part" } else { "object" }, piece);
+        }
+        for prism in shell.iter().flatten() {
+            self.geom(6, "shell", prism);
         }
         self.line(4, format_args!("</body>"));
     }

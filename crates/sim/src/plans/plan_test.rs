@@ -13,7 +13,7 @@ use crate::gripper::Gripper;
 use crate::plans::arm::{ArmModel, see_all_contacts};
 use crate::plans::plan_motion::PlanMotion;
 use crate::plans::plan_run::{PlacedError, PlanContact, PlanRun};
-use crate::{Disturbance, GraspTest, RecordedBody, SimError, engine};
+use crate::{Disturbance, GraspTest, Piece, RecordedBody, SimError, engine};
 
 /// Robot that executes a plan: its joints follow the timed path, the hand closes with its closing force, and the arm moves on
 /// with the object.
@@ -127,7 +127,8 @@ impl<'a> Execution<'a> {
         let gripper = Gripper::insert(&test.hand, &test.physics, force_n, &world_from_hand, &mut world);
         see_all_contacts(&mut world, gripper.palm);
         let recorded = is_recorded.then(|| {
-            let bodies = plan.arm.shapes().map(|(name, pieces)| RecordedBody::new(name, pieces));
+            let bodies =
+                plan.arm.shapes().map(|(name, pieces)| RecordedBody::new(name, Piece::surface_of(pieces)));
             bodies.zip(hand.arm.iter().copied()).collect()
         });
         let rolling = test.object.rolling(test.physics.rolling_m, disturbance);
