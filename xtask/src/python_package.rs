@@ -49,8 +49,11 @@ pub fn check(here: &Surroundings) -> Result<(), String> {
     let words =
         ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--force-reinstall"];
     step::succeed(here.command(python, &[&words[..], &[&wheel]].concat()))?;
-    // 3. From the root: in its own folder, Python would import the sources instead of the package.
-    let mut tests = here.command(python, &["-m", "pytest", "-c", "python/pyproject.toml", "python/tests"]);
+    // 3. From the root: in its own folder, Python would import the sources instead of the package. In several processes: the
+    // other checks beside this one end long before it.
+    let words = ["-m", "pytest", "-c", "python/pyproject.toml", "python/tests", "--durations=10"];
+    let mut tests =
+        here.command(python, &[&words[..], &["--numprocesses=auto", "--maxprocesses=4"]].concat());
     tests.env(step::PROGRAM, here.program());
     step::succeed(tests)
 }
