@@ -66,8 +66,6 @@ struct Spring {
 /// A spring in contact, prepared for a step.
 struct Touch {
     side: usize,
-    /// Point of contact in the world, in metres.
-    at: Vector,
     /// Velocity of the object relative to the pad, in the pad's frame (along, along, inward), per [`Velocities`].
     by_velocity: SMatrix<f64, 3, 8>,
     /// The same at rest, from the prescribed motion of the palm.
@@ -145,8 +143,13 @@ impl<'a> CompliantPads<'a> {
         carried.fixed_rows_mut::<3>(0).copy_from(&palm.at_point(&center));
         carried.fixed_rows_mut::<3>(3).copy_from(&palm.angular);
         carried.fixed_rows_mut::<2>(6).fill(0.0);
-        let grips = self.solve(&touches, &mass, [free, carried], dt);
-        self.apply(world, gripper, object, (&touches, &grips));
+        let (velocities, grips) = self.solve(&touches, &mass, [free, carried], dt);
+        for (touch, grip) in touches.iter().zip(&grips) {
+            self.forces[touch.side] += touch.axes.tr_mul(&grip.force);
+        }
+        // The forces that give these velocities are those of the springs, up to the error of the solution. Applied instead, an
+        // error never flings off a light object.
+        apply(world, gripper, object, &(mass * (velocities - free) / dt));
     }
 
     /// Springs that touch the object or may do so within the next step.
@@ -187,24 +190,21 @@ impl<'a> CompliantPads<'a> {
                 by_velocity.fixed_view_mut::<3, 1>(0, 6 + side).copy_from(&(axes * -slide));
                 let of_palm = axes * -palm.at_point(&at.coords);
                 let along = Vector2::new(off.x, off.y);
-                touches.push(Touch {
-                    side,
-                    at: at.coords,
-                    by_velocity,
-                    of_palm,
-                    along,
-                    depth_m,
-                    normal,
-                    axes,
-                });
+                touches.push(Touch { side, by_velocity, of_palm, along, depth_m, normal, axes });
             }
         }
         touches
     }
 
-    /// Finds the forces at the end of a step by Newton's method, with steps that shorten until the error falls. Begins with the
+    /// Finds velocities and forces at the end of a step by Newton's method, with steps that shorten until the error falls. Begins with the
     /// better of two guesses: nothing holds the object, or it moves with the hand.
-    fn solve(&self, touches: &[Touch], mass: &Square, guesses: [Velocities; 2], dt: f64) -> Vec<Grip> {
+    fn solve(
+        &self,
+        touches: &[Touch],
+        mass: &Square,
+        guesses: [Velocities; 2],
+        dt: f64,
+    ) -> (Velocities, Vec<Grip>) {
         let scale = mass.diagonal();
         let free = guesses[0];
         let at = |velocities: Velocities, law: Law| {
@@ -230,7 +230,7 @@ impl<'a> CompliantPads<'a> {
                 at(velocities - step, Law::Tangent)
             });
         }
-        best.1.grips
+        (best.0, best.1.grips)
     }
 
     /// Error of the equations of motion of a step (N s, N m s) with these velocities at its end.
@@ -257,33 +257,17 @@ impl<'a> CompliantPads<'a> {
         let grips = touches.iter().map(&mut grip_of).collect();
         Balance { grips, error, slope }
     }
+}
 
-    /// Adds the forces of the springs to object and fingers.
-    fn apply(
-        &mut self,
-        world: &mut PhysicsWorld,
-        gripper: &Gripper<'_>,
-        object: RigidBodyHandle,
-        (touches, grips): (&[Touch], &[Grip]),
-    ) {
-        let world_from_object = engine::to_pose(world.bodies[object].position());
-        let center = (world_from_object * self.center).coords;
-        let (mut force, mut torque) = (Vector::zeros(), Vector::zeros());
-        for (touch, grip) in touches.iter().zip(grips) {
-            let pushed = touch.axes.tr_mul(&grip.force);
-            force += pushed;
-            torque += (touch.at - center).cross(&pushed);
-            self.forces[touch.side] += pushed;
-        }
-        let world_from_palm = engine::to_pose(world.bodies[gripper.palm].position()).rotation;
-        let body = &mut world.bodies[object];
-        body.add_force(engine::vector(&force), true);
-        body.add_torque(engine::vector(&torque), true);
-        for (side, pushed) in self.forces.iter().enumerate() {
-            let finger = &mut world.bodies[gripper.fingers[side]];
-            let slide = world_from_palm * gripper.axis(side);
-            finger.add_force(engine::vector(&(slide * -pushed.dot(&slide))), true);
-        }
+/// Adds forces (N, N m) to object and fingers, in the order of their [`Velocities`].
+fn apply(world: &mut PhysicsWorld, gripper: &Gripper<'_>, object: RigidBodyHandle, forces: &Velocities) {
+    let world_from_palm = engine::to_pose(world.bodies[gripper.palm].position()).rotation;
+    let body = &mut world.bodies[object];
+    body.add_force(engine::vector(&forces.fixed_rows::<3>(0).into_owned()), true);
+    body.add_torque(engine::vector(&forces.fixed_rows::<3>(3).into_owned()), true);
+    for side in 0..2 {
+        let slide = world_from_palm * gripper.axis(side);
+        world.bodies[gripper.fingers[side]].add_force(engine::vector(&(slide * forces[6 + side])), true);
     }
 }
 

@@ -31,8 +31,20 @@ impl Shell {
         Some(Self { mesh: object.mesh.clone(), surface: surface.clone(), collider })
     }
 
-    /// Convex pieces just below the surface, for an engine without colliders of meshes: a prism for each triangle, as thick as
-    /// half of the object there and at most [`THICKEST_M`]. `None` for more than [`MOST_PRISMS`] triangles.
+    /// Returns true if a point, in the frame of the object, lies inside.
+    pub fn contains(&self, point: &Point) -> bool {
+        self.is_inside(point, &Vector::z(), 2.0 * self.surface.aabb().half_extents.norm())
+    }
+
+    /// Returns true if a ray leaves the object where it first meets its surface.
+    fn is_inside(&self, origin: &Point, along: &Vector, reach_m: f64) -> bool {
+        let hits = self.surface.ray_hits(origin, along, reach_m);
+        hits.first().is_some_and(|hit| hit.normal.dot(along) > 0.0)
+    }
+
+    /// Convex pieces just below the surface, for an engine without colliders of meshes: a frustum below each triangle, which
+    /// narrows to half of its size and is at most [`THICKEST_M`] thick, less where it would protrude by more than
+    /// [`THINNEST_M`]. `None` for more than [`MOST_PRISMS`] triangles.
     pub fn prisms(&self) -> Option<Vec<Piece>> {
         let count = self.mesh.triangles.len();
         (count <= MOST_PRISMS).then(|| (0..count).filter_map(|triangle| self.prism(triangle)).collect())
@@ -42,9 +54,19 @@ impl Shell {
         let corners = self.mesh.corners(triangle);
         let [a, b, c] = &corners;
         let (inward, double_area_m2) = Unit::try_new_and_get((c - a).cross(&(b - a)), 0.0)?;
-        let thickness_m = self.half_thickness_m(&corners, &inward);
-        let below = corners.map(|corner| corner + inward.into_inner() * thickness_m);
-        if 0.5 * double_area_m2 * thickness_m < LEAST_VOLUME_M3 {
+        let middle = (a.coords + b.coords + c.coords) / 3.0;
+        let below = |thickness_m: f64| {
+            corners.map(|corner| {
+                Point::from(corner.coords.lerp(&middle, 0.5) + inward.into_inner() * thickness_m)
+            })
+        };
+        let thicknesses_m = (0..HALVINGS).map(|times| THICKEST_M * 0.5_f64.powi(times));
+        let is_in = |thickness_m: &f64| {
+            below(*thickness_m).iter().all(|corner| self.is_inside(corner, &-inward, 2.0 * THICKEST_M))
+        };
+        let thickness_m = thicknesses_m.into_iter().find(is_in).unwrap_or(THINNEST_M);
+        let below = below(thickness_m);
+        if 0.25 * double_area_m2 * thickness_m < LEAST_VOLUME_M3 {
             return None;
         }
         let vertices = [corners, below].concat();
@@ -53,29 +75,16 @@ impl Shell {
         let shape = PieceShape::Hull(TriangleSoup { vertices, triangles });
         Some(Piece { body_from_piece: Pose::identity(), shape })
     }
-
-    /// Half of the least thickness of the object below the middle of a triangle and near its corners, within limits, in metres.
-    fn half_thickness_m(&self, corners: &[Point; 3], inward: &Vector) -> f64 {
-        let [a, b, c] = corners.map(|corner| corner.coords);
-        let middle = (a + b + c) / 3.0;
-        let probes = [middle, middle.lerp(&a, 0.8), middle.lerp(&b, 0.8), middle.lerp(&c, 0.8)];
-        let below = probes.map(|probe| {
-            let origin = Point::from(probe + inward * BELOW_M);
-            let hits = self.surface.ray_hits(&origin, inward, 2.0 * THICKEST_M);
-            hits.first().map_or(2.0 * THICKEST_M, |hit| hit.distance_m)
-        });
-        (0.5 * below.into_iter().fold(f64::INFINITY, f64::min)).clamp(THINNEST_M, THICKEST_M)
-    }
 }
 
 /// Maximum number of triangles that become prisms: MuJoCo tests each for contacts.
 const MOST_PRISMS: usize = 2000;
 /// Maximum thickness of a prism, in metres.
-const THICKEST_M: f64 = 3e-3;
+const THICKEST_M: f64 = 2e-3;
 /// Minimum thickness of a prism, in metres.
-const THINNEST_M: f64 = 1e-4;
-/// Distance below a triangle at which the search for its far side begins, in metres.
-const BELOW_M: f64 = 1e-7;
+const THINNEST_M: f64 = 5e-5;
+/// Number of thicknesses that are tried, each half of the one before; the last is near [`THINNEST_M`].
+const HALVINGS: i32 = 6;
 /// Minimum volume of a prism: MuJoCo refuses smaller meshes.
 const LEAST_VOLUME_M3: f64 = 1e-13;
 
@@ -89,15 +98,18 @@ mod tests {
     const RADII_M: [f64; 2] = [0.036, 0.04];
     const HEIGHT_M: f64 = 0.06;
 
-    /// A pipe along z, whose wall is 4 mm thick.
-    fn pipe() -> ObjectType {
+    /// A pipe along z, whose wall is 4 mm thick below and this thick above.
+    fn pipe(above_m: f64) -> ObjectType {
         let mut soup = TriangleSoup::default();
         for side in 0..SIDES {
             let angle = std::f64::consts::TAU * side as f64 / SIDES as f64;
             let (sine, cosine) = cranny_spatial::sin_cos(angle);
-            for (radius_m, z) in
-                [(RADII_M[0], 0.0), (RADII_M[1], 0.0), (RADII_M[1], HEIGHT_M), (RADII_M[0], HEIGHT_M)]
-            {
+            for (radius_m, z) in [
+                (RADII_M[0], 0.0),
+                (RADII_M[1], 0.0),
+                (RADII_M[0] + above_m, HEIGHT_M),
+                (RADII_M[0], HEIGHT_M),
+            ] {
                 soup.vertices.push(Point::new(radius_m * cosine, radius_m * sine, z));
             }
         }
@@ -112,23 +124,30 @@ mod tests {
         ObjectType::from_mesh(&soup, &ObjectSettings::new("pipe", 0.2)).unwrap().0
     }
 
-    /// The prisms of a thin wall have its triangles as outer faces and do not protrude.
+    /// The prisms of a wall do not protrude from it, even where it tapers to 0.2 mm.
     #[test]
     fn the_prisms_of_a_wall_lie_within_it() {
-        let pipe = pipe();
-        let surface = Surface::new(&pipe.mesh).unwrap();
-        let prisms = Shell::of(&pipe, &surface).expect("a thin wall").prisms().unwrap();
-        assert_eq!(prisms.len(), pipe.mesh.triangles.len());
-        let (_, cosine) = cranny_spatial::sin_cos(std::f64::consts::PI / SIDES as f64);
-        let innermost_m = RADII_M[0] * cosine;
-        for prism in &prisms {
-            let PieceShape::Hull(hull) = &prism.shape else { panic!("{prism:?}") };
-            assert!(hull.signed_volume_m3() > 0.0, "{hull:?}");
-            for corner in &hull.vertices {
-                let radius_m = corner.x.hypot(corner.y);
-                let is_in = radius_m > innermost_m - THINNEST_M && radius_m < RADII_M[1] + THINNEST_M;
-                assert!(is_in && corner.z > -THINNEST_M && corner.z < HEIGHT_M + THINNEST_M, "{corner}");
+        for above_m in [0.004, 0.0002] {
+            let pipe = pipe(above_m);
+            let surface = Surface::new(&pipe.mesh).unwrap();
+            let shell = Shell::of(&pipe, &surface).expect("a thin wall");
+            let prisms = shell.prisms().unwrap();
+            assert_eq!(prisms.len(), pipe.mesh.triangles.len());
+            for prism in &prisms {
+                let PieceShape::Hull(hull) = &prism.shape else { panic!("{prism:?}") };
+                assert!(hull.signed_volume_m3() > 0.0, "{hull:?}");
+                let outside = hull.vertices[3..].iter().filter(|corner| !shell.contains(corner)).count();
+                assert_eq!(outside, 0, "{hull:?}");
             }
+        }
+    }
+
+    #[test]
+    fn the_wall_of_a_pipe_is_inside_and_its_bore_is_not() {
+        let pipe = pipe(0.004);
+        let shell = Shell::of(&pipe, &Surface::new(&pipe.mesh).unwrap()).expect("a thin wall");
+        for (x, is_inside) in [(0.0, false), (0.03, false), (0.038, true), (0.045, false)] {
+            assert_eq!(shell.contains(&Point::new(x, 0.0, 0.5 * HEIGHT_M)), is_inside, "{x}");
         }
     }
 

@@ -88,6 +88,20 @@ fn fingers_close_on_a_curved_wall_and_not_on_the_convex_parts_around_it() {
     assert!((gap_m - 0.004).abs() < 1e-3, "{gap_m}");
 }
 
+/// The springs of the pads accelerate a gram by 10⁵ m/s² where they are not in balance.
+#[test]
+fn what_is_light_is_not_flung_off() {
+    for beside_m in [0.0, 0.004, -0.009] {
+        for turn_rad in [0.0, 0.1] {
+            let pose = Pose::translation(beside_m, 0.5 * beside_m, 0.0)
+                * Pose::rotation(Vector::z() * turn_rad)
+                * from_above(beside_m);
+            let run = run(&floating(&cube(0.001, 0.5)), &pose);
+            assert_eq!(run.outcome, GraspOutcome::Held, "{beside_m} m, {turn_rad} rad: {run:?}");
+        }
+    }
+}
+
 #[test]
 fn what_is_too_smooth_or_too_heavy_falls() {
     // Friction bears 2 μ N = 1.6 N, or 4 N, of the weight.
