@@ -17,7 +17,7 @@ pub(crate) struct ObjectModel {
     pub surface: Surface,
     /// Surface for display.
     pub shown: TriangleSoup,
-    /// Surface that fingers with pads meet instead of the pieces; `None` if these are accurate.
+    /// Surface that a hand with pads meets instead of the pieces; `None` if these are accurate.
     pub shell: Option<Shell>,
     /// Centre of mass.
     pub center: Point,

@@ -1,4 +1,4 @@
-//! Surface of an object with thin walls, such as a bowl: the fingers meet it instead of the convex parts, because walls that
+//! Surface of an object with thin walls, such as a bowl: the hand meets it instead of the convex parts, because walls that
 //! bulge by some millimetres would push the object out of the pads.
 
 use cranny_scenario::ObjectType;
@@ -17,7 +17,7 @@ pub(crate) struct Shell {
     pub collider: Collider,
 }
 
-/// Error of the convex parts, as a share of the volume, up to which the fingers meet these: they are faster.
+/// Error of the convex parts, as a share of the volume, up to which the hand meets these: they are faster.
 const MOST_ERROR: f64 = 0.05;
 
 impl Shell {
