@@ -63,26 +63,42 @@ struct Spring {
     held: Option<(Point, Vector)>,
 }
 
-/// A spring in contact, prepared for a step.
+/// Springs in contact, prepared for a step.
+struct Touches {
+    springs: Vec<Touch>,
+    frames: [PadFrame; 2],
+}
+
+/// A spring in contact, in the frame of its pad (along, along, inward).
 struct Touch {
     side: usize,
-    /// Velocity of the object relative to the pad, in the pad's frame (along, along, inward), per [`Velocities`].
-    by_velocity: SMatrix<f64, 3, 8>,
-    /// The same at rest, from the prescribed motion of the palm.
+    /// Tip relative to the object's centre of mass, in metres.
+    arm: Vector,
+    /// Velocity of the object relative to the pad from the prescribed motion of the palm alone, in m/s.
     of_palm: Vector,
     /// Deflection at the beginning of the step: along the pad, and depth.
     along: Vector2<f64>,
     depth_m: f64,
-    /// Outward normal of the object in the pad's frame.
+    /// Outward normal of the object.
     normal: Vector,
-    axes: Matrix3<f64>,
 }
 
-/// Forces of a step, the error of the equations of motion, and its derivative by the velocities.
+/// Frame of a pad.
+#[derive(Clone, Copy)]
+struct PadFrame {
+    /// Its directions in the world, as rows: along, along, inward; right-handed.
+    axes: Matrix3<f64>,
+    /// Stroke of the finger in this frame, a unit vector.
+    slide: Vector,
+}
+
+/// Velocities at the end of a step, the forces that they cause, and the error of the equations of motion (N s, N m s).
 struct Balance {
+    velocities: Velocities,
     grips: Vec<Grip>,
     error: Velocities,
-    slope: Square,
+    /// Square of the error, by the inertia that it moves.
+    size: f64,
 }
 
 impl<'a> CompliantPads<'a> {
@@ -119,7 +135,7 @@ impl<'a> CompliantPads<'a> {
         let center = (world_from_object * self.center).coords;
         let touches = self.touches(world, gripper, &palm, (&world_from_object, &center));
         self.forces = [Vector::zeros(); 2];
-        if touches.is_empty() {
+        if touches.springs.is_empty() {
             return;
         }
         let turn = world_from_object.rotation.to_rotation_matrix();
@@ -143,9 +159,9 @@ impl<'a> CompliantPads<'a> {
         carried.fixed_rows_mut::<3>(0).copy_from(&palm.at_point(&center));
         carried.fixed_rows_mut::<3>(3).copy_from(&palm.angular);
         carried.fixed_rows_mut::<2>(6).fill(0.0);
-        let (velocities, grips) = self.solve(&touches, &mass, [free, carried], dt);
-        for (touch, grip) in touches.iter().zip(&grips) {
-            self.forces[touch.side] += touch.axes.tr_mul(&grip.force);
+        let Balance { velocities, grips, .. } = self.solve(&touches, &mass, [free, carried], dt);
+        for (touch, grip) in touches.springs.iter().zip(&grips) {
+            self.forces[touch.side] += touches.frames[touch.side].axes.tr_mul(&grip.force);
         }
         // The forces that give these velocities are those of the springs, up to the error of the solution. Applied instead, an
         // error never flings off a light object.
@@ -159,11 +175,12 @@ impl<'a> CompliantPads<'a> {
         gripper: &Gripper<'_>,
         palm: &PalmMotion,
         (world_from_object, center): (&Pose, &Vector),
-    ) -> Vec<Touch> {
+    ) -> Touches {
         let springs = (self.stiffness, SHEAR_SHARE * self.stiffness);
         let world_from_palm = engine::to_pose(world.bodies[gripper.palm].position());
         let closed_m = gripper.closed_m(world);
         let mut touches = Vec::with_capacity(2 * PAD_CELLS[0] * PAD_CELLS[1]);
+        let mut frames = [PadFrame { axes: Matrix3::identity(), slide: Vector::zeros() }; 2];
         for (side, pad) in self.sides.iter_mut().enumerate() {
             // The finger exactly on its slide: the engine's joint yields.
             let world_from_finger = world_from_palm
@@ -171,8 +188,10 @@ impl<'a> CompliantPads<'a> {
             let rotation = world_from_finger.rotation.to_rotation_matrix();
             let [x, y, z] = [0, 1, 2].map(|axis| rotation.matrix().column(axis).into_owned());
             let inward = y * pad.inward;
-            let axes = Matrix3::from_rows(&[x.transpose(), z.transpose(), inward.transpose()]);
-            let slide = rotation * gripper.axis(side);
+            // Right-handed, as cross products need it.
+            let [along, across] = if pad.inward > 0.0 { [z, x] } else { [x, z] };
+            let axes = Matrix3::from_rows(&[along.transpose(), across.transpose(), inward.transpose()]);
+            frames[side] = PadFrame { axes, slide: axes * (rotation * gripper.axis(side)) };
             let place = Place { world_from_object, axes: &axes };
             for spring in &mut pad.springs {
                 let rest = world_from_finger * spring.rest;
@@ -182,80 +201,117 @@ impl<'a> CompliantPads<'a> {
                 let off = axes * (at - rest);
                 let depth_m = -off.z;
                 let normal = axes * (world_from_object * normal);
-                let mut by_velocity = SMatrix::<f64, 3, 8>::zeros();
-                by_velocity.fixed_view_mut::<3, 3>(0, 0).copy_from(&axes);
-                by_velocity
-                    .fixed_view_mut::<3, 3>(0, 3)
-                    .copy_from(&(-axes * (at.coords - center).cross_matrix()));
-                by_velocity.fixed_view_mut::<3, 1>(0, 6 + side).copy_from(&(axes * -slide));
+                let arm = axes * (at.coords - center);
                 let of_palm = axes * -palm.at_point(&at.coords);
                 let along = Vector2::new(off.x, off.y);
-                touches.push(Touch { side, by_velocity, of_palm, along, depth_m, normal, axes });
+                touches.push(Touch { side, arm, of_palm, along, depth_m, normal });
             }
         }
-        touches
+        Touches { springs: touches, frames }
     }
 
     /// Finds velocities and forces at the end of a step by Newton's method, with steps that shorten until the error falls. Begins with the
     /// better of two guesses: nothing holds the object, or it moves with the hand.
-    fn solve(
-        &self,
-        touches: &[Touch],
-        mass: &Square,
-        guesses: [Velocities; 2],
-        dt: f64,
-    ) -> (Velocities, Vec<Grip>) {
-        let scale = mass.diagonal();
+    fn solve(&self, touches: &Touches, mass: &Square, guesses: [Velocities; 2], dt: f64) -> Balance {
         let free = guesses[0];
         let at = |velocities: Velocities, law: Law| {
-            let balance = self.balance(touches, mass, (&free, &velocities), (law, dt));
-            let size = balance.error.component_mul(&balance.error).component_div(&scale).sum();
-            (velocities, balance, size)
+            let grips = self.grips(touches, &velocities, law, dt);
+            let error = mass * (velocities - free) - touches.impulses(&grips, dt);
+            let size = error.component_mul(&error).component_div(&mass.diagonal()).sum();
+            Balance { velocities, grips, error, size }
+        };
+        let step_from = |balance: &Balance| {
+            let slope = mass + touches.stiffness(&balance.grips) * (dt * dt);
+            slope.lu().solve(&balance.error)
         };
         let accepted = ACCURACY * ACCURACY * self.mass_kg;
         let [loose, held] = guesses.map(|guess| at(guess, Law::Tangent));
-        let mut best = if held.2 < loose.2 { held } else { loose };
+        let mut best = if held.size < loose.size { held } else { loose };
         for _ in 0..MOST_STEPS {
-            let (velocities, balance, before) = &best;
-            let Some(step) = balance.slope.lu().solve(&balance.error).filter(|_| *before > accepted) else {
+            if best.size <= accepted {
                 break;
-            };
+            }
+            let Some(step) = step_from(&best) else { break };
             let shares = (0..SHORTER).map(|times| 0.5_f64.powi(times));
-            let shorter = shares.map(|share| at(velocities - step * share, Law::Tangent));
-            let nearer = shorter.into_iter().find(|(.., size)| size < before);
+            let mut shorter = shares.map(|share| at(best.velocities - step * share, Law::Tangent));
+            let nearer = shorter.find(|tried| tried.size < best.size);
             best = nearer.unwrap_or_else(|| {
                 // A sliding tip that sticks in the step: its secant leads there slowly but surely.
-                let (_, secant, _) = at(*velocities, Law::Secant);
-                let step = secant.slope.lu().solve(&secant.error).unwrap_or_default();
-                at(velocities - step, Law::Tangent)
+                let step = step_from(&at(best.velocities, Law::Secant)).unwrap_or_default();
+                at(best.velocities - step, Law::Tangent)
             });
         }
-        (best.0, best.1.grips)
+        best
     }
 
-    /// Error of the equations of motion of a step (N s, N m s) with these velocities at its end.
-    fn balance(
-        &self,
-        touches: &[Touch],
-        mass: &Square,
-        (free, velocities): (&Velocities, &Velocities),
-        (law, dt): (Law, f64),
-    ) -> Balance {
-        let mut error = mass * (velocities - free);
-        let mut slope = *mass;
+    /// Forces of the springs after a step with these velocities.
+    fn grips(&self, touches: &Touches, velocities: &Velocities, law: Law, dt: f64) -> Vec<Grip> {
         let springs = (self.stiffness, SHEAR_SHARE * self.stiffness);
-        let mut grip_of = |touch: &Touch| {
-            let moved = (touch.by_velocity * velocities + touch.of_palm) * dt;
+        let [linear, angular] = [0, 3].map(|row| velocities.fixed_rows::<3>(row).into_owned());
+        let of_sides = [0, 1].map(|side| {
+            let PadFrame { axes, slide } = &touches.frames[side];
+            (axes * linear - slide * velocities[6 + side], axes * angular)
+        });
+        let grip_of = |touch: &Touch| {
+            let (linear, angular) = &of_sides[touch.side];
+            let moved = (linear + angular.cross(&touch.arm) + touch.of_palm) * dt;
             let deflection = (touch.depth_m - moved.z, touch.along + moved.xy());
-            let grip = grip(springs, deflection, (&touch.normal, self.friction), law);
-            if grip.force.z > 0.0 {
-                error -= touch.by_velocity.tr_mul(&grip.force) * dt;
-                slope += touch.by_velocity.tr_mul(&(grip.stiffness * touch.by_velocity)) * (dt * dt);
-            }
-            grip
+            grip(springs, deflection, (&touch.normal, self.friction), law)
         };
-        let grips = touches.iter().map(&mut grip_of).collect();
-        Balance { grips, error, slope }
+        touches.springs.iter().map(grip_of).collect()
+    }
+}
+
+impl Touches {
+    /// Impulses of the springs in a step of `dt` seconds on object and fingers, in the order of their [`Velocities`].
+    fn impulses(&self, grips: &[Grip], dt: f64) -> Velocities {
+        let mut sums = [(Vector::zeros(), Vector::zeros()); 2];
+        for (touch, grip) in self.springs.iter().zip(grips) {
+            let (force, moment) = &mut sums[touch.side];
+            *force += grip.force;
+            *moment += touch.arm.cross(&grip.force);
+        }
+        let mut impulses = Velocities::zeros();
+        for (side, (frame, (force, moment))) in self.frames.iter().zip(sums).enumerate() {
+            let mut linear = impulses.fixed_rows_mut::<3>(0);
+            linear += frame.axes.tr_mul(&force);
+            let mut angular = impulses.fixed_rows_mut::<3>(3);
+            angular += frame.axes.tr_mul(&moment);
+            impulses[6 + side] = -frame.slide.dot(&force);
+        }
+        impulses * dt
+    }
+
+    /// Derivative of the forces of the springs by displacements of object and fingers, in the order of their [`Velocities`].
+    ///
+    /// A tip moves relative to its pad by J = [1, −[arm]×, −slide] times the displacement in the frame of the pad.
+    fn stiffness(&self, grips: &[Grip]) -> Square {
+        let mut sums = [[Matrix3::zeros(); 4]; 2];
+        for (touch, Grip { stiffness, .. }) in self.springs.iter().zip(grips) {
+            let turning = touch.arm.cross_matrix();
+            let by_turn = -(stiffness * turning);
+            let sums = &mut sums[touch.side];
+            sums[0] += stiffness;
+            sums[1] += by_turn;
+            sums[2] += turning * stiffness;
+            sums[3] += turning * by_turn;
+        }
+        let mut total = Square::zeros();
+        for (side, (PadFrame { axes, slide }, sums)) in self.frames.iter().zip(&sums).enumerate() {
+            for (block, sum) in sums.iter().enumerate() {
+                let mut place = total.fixed_view_mut::<3, 3>(3 * (block / 2), 3 * (block % 2));
+                place += axes.tr_mul(&(sum * axes));
+            }
+            for (row, [by_motion, by_slide]) in [(0, [0, 0]), (3, [1, 2])] {
+                total
+                    .fixed_view_mut::<3, 1>(row, 6 + side)
+                    .copy_from(&-axes.tr_mul(&(sums[by_slide] * slide)));
+                let across = -(slide.transpose() * sums[by_motion] * axes);
+                total.fixed_view_mut::<1, 3>(6 + side, row).copy_from(&across);
+            }
+            total[(6 + side, 6 + side)] = slide.dot(&(sums[0] * slide));
+        }
+        total
     }
 }
 

@@ -8,8 +8,11 @@ use cranny_grasp::{LEAST_ARM_M, LoadedPoint, limit_factor};
 use cranny_spatial::nalgebra::Vector3;
 use rapier3d_f64::math::Vector;
 use rapier3d_f64::prelude::{
-    ContactManifold, ContactModificationContext, PhysicsHooks, RigidBodyHandle, RigidBodySet, SolverContact,
+    ContactManifold, ContactModificationContext, PairFilterContext, PhysicsHooks, RigidBodyHandle,
+    RigidBodySet, SolverContact, SolverFlags,
 };
+
+use crate::bounding_ball::are_apart;
 
 /// Minimum radius of a contact patch on a pad, in metres. A pad that yields by δ = 0.3 mm touches a ball of radius R = 33 mm on
 /// a patch of radius √(R δ).
@@ -33,6 +36,12 @@ struct Corner {
 }
 
 impl PhysicsHooks for ContactPatch {
+    /// Skips pairs whose bounding balls are apart, because the engine examines each corner of a convex part.
+    fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
+        let [first, second] = [context.collider1, context.collider2].map(|handle| &context.colliders[handle]);
+        (!are_apart(first, second)).then_some(SolverFlags::default())
+    }
+
     fn modify_solver_contacts(&self, context: &mut ContactModificationContext) {
         let poses =
             [context.collider1, context.collider2].map(|collider| *context.colliders[collider].position());

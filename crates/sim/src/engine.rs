@@ -14,6 +14,7 @@ use rapier3d_f64::prelude::{
     SpringCoefficients, TriMeshFlags,
 };
 
+use crate::bounding_ball::BoundingBall;
 use crate::contact_patch::ContactPatch;
 use crate::{Physics, Piece, PieceShape, SimError};
 
@@ -74,12 +75,15 @@ pub(crate) fn world(physics: &Physics) -> PhysicsWorld {
     // These options save time with thousands of bodies, but cost accuracy with three.
     parameters.contact_recycling = false;
     parameters.contact_clustering = false;
-    // Maximum gap of a predicted contact, and penetration that is not corrected, in metres.
-    parameters.normalized_prediction_distance = 0.002;
+    // Penetration that is not corrected, in metres: `normalized_allowed_linear_error`.
+    parameters.normalized_prediction_distance = PREDICTION_M;
     parameters.normalized_allowed_linear_error = 1e-5;
     parameters.max_ccd_substeps = 0;
     world
 }
+
+/// Maximum gap of a predicted contact, in metres.
+pub(crate) const PREDICTION_M: f64 = 0.002;
 
 /// Advances a world by one step. With face contacts, more stabilization iterations are needed: with one, a long held object
 /// creeps by millimetres per second. With edge contacts, more iterations would exceed the limit of friction (see
@@ -98,7 +102,7 @@ pub(crate) fn colliders(
 ) -> Result<Vec<Collider>, SimError> {
     // Surroundings keep the engine's contacts: some come and go in every step, and with the hook the support would vanish too.
     let hooks = if groups == HAND || groups == BACK {
-        ActiveHooks::MODIFY_SOLVER_CONTACTS
+        ActiveHooks::MODIFY_SOLVER_CONTACTS | ActiveHooks::FILTER_CONTACT_PAIRS
     } else {
         ActiveHooks::empty()
     };
@@ -107,7 +111,9 @@ pub(crate) fn colliders(
             of: of.to_owned(),
             reason: ShapeError::NoVolume { volume_m3: 0.0 },
         })?;
+        let bounds = BoundingBall::of(&*shape).map_or(0, BoundingBall::into_bits);
         Ok(ColliderBuilder::new(shape)
+            .user_data(bounds)
             .position(place)
             .density(0.0)
             .friction(friction)

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod bounding_ball;
 mod compliant_pads;
 mod contact_patch;
 mod engine;

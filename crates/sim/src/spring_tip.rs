@@ -46,17 +46,21 @@ pub(crate) fn grip(
     let aside =
         normal.xy().try_normalize(0.0).map_or(Vector2::zeros(), |unit| unit * (1.0 - facing * facing).sqrt());
     let sheared = tip_m * -along;
+    let force = Vector3::new(sheared.x, sheared.y, pressed_n);
+    let stiffness = Matrix3::from_diagonal(&Vector3::new(along, along, across));
+    let sticking = Grip { force, stiffness, slid_m: None };
+    // Component of the force along the inward normal.
+    let normal_n = pressed_n * facing - sheared.dot(&aside);
+    if normal_n >= 0.0 && force.norm_squared() <= (1.0 + friction * friction) * normal_n * normal_n {
+        return sticking;
+    }
     let without_friction = aside * (-1.0 / facing);
     let pull = sheared - without_friction * pressed_n;
     let toward = pull.try_normalize(0.0).unwrap_or_else(Vector2::zeros);
     let most = reach(friction, facing, aside.dot(&toward));
-    let mut stiffness = Matrix3::zeros();
-    stiffness[(2, 2)] = across;
     if pull.norm() <= most * pressed_n {
-        stiffness[(0, 0)] = along;
-        stiffness[(1, 1)] = along;
-        let force = Vector3::new(sheared.x, sheared.y, pressed_n);
-        return Grip { force, stiffness, slid_m: None };
+        // Within rounding of the cone.
+        return sticking;
     }
     let per_press = without_friction + toward * most;
     // The depth changes with the slope on which the tip slides.
@@ -73,6 +77,7 @@ pub(crate) fn grip(
         Law::Secant => Matrix2::zeros(),
     };
     let turning = (Matrix2::identity() - constant) * (most * pressed_n / pull.norm());
+    let mut stiffness = Matrix3::zeros();
     stiffness[(2, 2)] = across / yielding;
     stiffness.fixed_view_mut::<1, 2>(2, 0).copy_from(&-by_tip.transpose());
     stiffness.fixed_view_mut::<2, 2>(0, 0).copy_from(&(turning * along - per_press * by_tip.transpose()));

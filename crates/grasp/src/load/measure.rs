@@ -132,7 +132,7 @@ impl LoadMeasure {
             return Load { shift_m: seat.shift_m, width_m: seat.width_m, ..Load::NOTHING };
         };
         let at_rest = held.exact_factor(&LoadState::GRAVITY);
-        let least = self.states.iter().map(|state| held.factor(state, 1.0)).fold(FIRMEST, f64::min);
+        let least = self.states.iter().fold(FIRMEST, |least, state| held.least_factor(state, 1.0, least));
         let in_motion = if self.states.is_empty() { at_rest } else { least };
         Load { at_rest, in_motion, turn_rad: seat.turn(), shift_m: seat.shift_m, width_m: seat.width_m }
     }
@@ -185,7 +185,7 @@ const SAFE_SHARE: f64 = 0.87;
 impl GripForces {
     /// Factor by which the loads of a motion may grow until a soft or a hard pad slips: from the ellipsoid, on the safe side.
     pub fn factor(&self, state: &LoadState) -> f64 {
-        self.held.iter().map(|held| held.factor(state, SAFE_SHARE)).fold(FIRMEST, f64::min)
+        self.held.iter().fold(FIRMEST, |least, held| held.least_factor(state, SAFE_SHARE, least))
     }
 
     /// Factor by which gravity may grow until a pad slips in the worst of 26 attitudes: those with an axis, an edge or a
@@ -232,7 +232,18 @@ struct Held {
     /// Moments about x and z that a shift of pressure bears, in N m.
     borne: [f64; 2],
     width_m: f64,
-    patches: [Patch; 2],
+    pads: [HeldPad; 2],
+}
+
+/// Pad with the patch on which it bears.
+#[derive(Clone, Debug)]
+struct HeldPad {
+    patch: Patch,
+    /// Factor by which forces along x and z and moments about y (N, N m), per normal force, become those of an ellipsoid of
+    /// radius 1.
+    to_sphere: Vector3<f64>,
+    /// Push of the pads (see [`Held::push`]) on that sphere.
+    push: Vector3<f64>,
 }
 
 impl Held {
@@ -249,6 +260,11 @@ impl Held {
             let yielding = MOST_TURN_RAD * (a.turning_stiffness[axis] + b.turning_stiffness[axis]);
             (0.5 * measure.force_n * (a.half_m[axis] + b.half_m[axis])).min(yielding)
         });
+        let push = 0.5 * (a.push + b.push);
+        let pads = patches.map(|patch| {
+            let to_sphere = Vector3::new(1.0, 1.0, 1.0 / patch.arm_m) / object.friction;
+            HeldPad { push: push.component_mul(&to_sphere), to_sphere, patch }
+        });
         Self {
             mass_kg: object.mass_kg,
             center: center_in_gripper - about,
@@ -256,11 +272,11 @@ impl Held {
             inertia: rotation.matrix() * object.inertia_kg_m2 * rotation.matrix().transpose(),
             up: rotation * measure.up,
             friction: object.friction,
-            push: 0.5 * (a.push + b.push),
+            push,
             force_n: measure.force_n,
             borne,
             width_m: seat.width_m.max(LEAST_WIDTH_M),
-            patches,
+            pads,
         }
     }
 
@@ -288,39 +304,36 @@ impl Held {
         })
     }
 
-    /// Force along x and z and moment about y (N, N m, per pressing force), scaled so that this share of a patch's ellipsoid is
-    /// the unit sphere.
-    fn on_ellipsoid(&self, patch: &Patch, force: Vector3<f64>, share: f64) -> Vector3<f64> {
-        Vector3::new(force.x, force.y, force.z / patch.arm_m) / (share * self.friction)
-    }
-
-    /// Factor by which the loads may grow until the more loaded pad reaches this share of its ellipsoid; 0 if a pad lifts off.
-    fn factor(&self, state: &LoadState, share: f64) -> f64 {
-        let factors = self.demands(state).into_iter().zip(&self.patches).map(|((normal_n, pull), patch)| {
-            if normal_n <= 0.0 || self.friction <= 0.0 {
+    /// Factor by which the loads may grow until the more loaded pad reaches this share of its ellipsoid, at most `least`; 0 if a
+    /// pad lifts off.
+    fn least_factor(&self, state: &LoadState, share: f64, least: f64) -> f64 {
+        self.demands(state).into_iter().zip(&self.pads).fold(least, |least, ((normal_n, pull), pad)| {
+            let spare = share * share - pad.push.norm_squared();
+            if normal_n <= 0.0 || self.friction <= 0.0 || spare <= 0.0 {
                 return 0.0;
             }
-            let [pull, push] =
-                [pull / normal_n, self.push].map(|force| self.on_ellipsoid(patch, force, share));
-            let (square, along, spare) = (pull.norm_squared(), pull.dot(&push), 1.0 - push.norm_squared());
-            if spare <= 0.0 {
-                return 0.0;
+            let pull = pull.component_mul(&pad.to_sphere);
+            let (square, along) = (pull.norm_squared(), pull.dot(&pad.push) * normal_n);
+            let spare = spare * normal_n * normal_n;
+            // |factor · pull / normal − push| ≤ share: the loads may grow by more than `least`.
+            if least * (least * square - 2.0 * along) <= spare {
+                return least;
             }
-            // The greater root of |factor · pull − push| = 1.
+            // The greater root of |factor · pull / normal − push| = share.
             let root = (along * along + square * spare).sqrt();
             if along > 0.0 { (along + root) / square } else { spare / (root - along) }
-        });
-        factors.fold(FIRMEST, f64::min)
+        })
     }
 
     /// Factor by which the loads may grow until the more loaded pad reaches its limit surface; 0 if a pad lifts off.
     fn exact_factor(&self, state: &LoadState) -> f64 {
-        let factors = self.demands(state).into_iter().zip(&self.patches).map(|((normal_n, pull), patch)| {
+        let factors = self.demands(state).into_iter().zip(&self.pads).map(|((normal_n, pull), pad)| {
+            let patch = &pad.patch;
             let borne: f64 = patch.points.iter().map(|(_, load)| load).sum();
             if normal_n <= 0.0 || self.friction <= 0.0 {
                 return 0.0;
             }
-            if self.on_ellipsoid(patch, self.push, 1.0).norm_squared() >= 1.0 {
+            if pad.push.norm_squared() >= 1.0 {
                 return 0.0;
             }
             if pull.norm_squared() <= 0.0 {

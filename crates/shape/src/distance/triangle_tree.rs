@@ -59,10 +59,40 @@ impl TriangleTree {
 
     /// Calls `visit` with each triangle whose box a ray meets within `reach_m`, in a fixed order.
     pub fn along_ray(&self, origin: &Point, direction: &Vector, reach_m: f64, mut visit: impl FnMut(u32)) {
-        let ray = Ray::new(parry::point(origin), parry::vector(direction));
-        for triangle in self.tree.leaves(|node| node.cast_ray(&ray, reach_m) <= reach_m) {
+        let slabs = RaySlabs::new(origin, direction, reach_m);
+        for triangle in self.tree.leaves(|node| slabs.meet(node)) {
             visit(triangle);
         }
+    }
+}
+
+/// Test of boxes against one ray, by the parameters at which it passes their faces.
+struct RaySlabs {
+    origin: [f64; 3],
+    inverse: [f64; 3],
+    reach_m: f64,
+}
+
+/// Reciprocal of a component of a direction that is 0: large, but 0 times it is 0.
+const PARALLEL: f64 = 1e300;
+
+impl RaySlabs {
+    fn new(origin: &Point, direction: &Vector, reach_m: f64) -> Self {
+        let inverse = |along: f64| if along.abs() * PARALLEL < 1.0 { PARALLEL } else { along.recip() };
+        Self { origin: origin.coords.into(), inverse: direction.map(inverse).into(), reach_m }
+    }
+
+    /// Returns true if the ray meets the box of a node within its reach, and possibly if it passes it within rounding.
+    fn meet(&self, node: &BvhNode) -> bool {
+        let (low, high) = (node.mins().to_array(), node.maxs().to_array());
+        let (mut from, mut to) = (0.0_f64, self.reach_m);
+        for axis in 0..3 {
+            let [a, b] = [low[axis], high[axis]].map(|face| (face - self.origin[axis]) * self.inverse[axis]);
+            from = from.max(a.min(b));
+            // Three roundings (Ize 2013, "Robust BVH ray traversal").
+            to = to.min(a.max(b) * (1.0 + 4.0 * f64::EPSILON));
+        }
+        from <= to
     }
 }
 
