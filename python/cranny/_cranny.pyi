@@ -704,6 +704,7 @@ def run_campaign(
     grasp_margin_m: float,
     robust: tuple[float, float] | None,
     hold: float | None,
+    try_in_physics: int | None,
     sandbox: str,
     again: list[str],
     shard: tuple[int, int] | None,

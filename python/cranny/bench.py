@@ -146,6 +146,7 @@ def run(
     grasp_margin_m: float = 0.0,
     robust: tuple[float, float] | None = None,
     hold: float | None = None,
+    try_in_physics: int | None = None,
     sandbox: str = "auto",
     again: Sequence[str] = (),
     shard: tuple[int, int] | None = None,
@@ -160,7 +161,8 @@ def run(
     A mapping as `planners` gives them names. `carry` ("home", "out" or "place") also carries the grasped target; `task`
     names a task that each scenario defines, which replaces the grasp. `robust` is the error (m, rad) of the target's pose
     that each path must tolerate, `hold` the factor by which the hand of a built-in planner must hold what it carries
-    (None: 1.5), `margin_m` and `grasp_margin_m` the clearances (m) of each path between any two bodies, and between hand
+    (None: 1.5), `try_in_physics` the number of its plans that may be executed in physics until one goes as planned
+    (None: none is), `margin_m` and `grasp_margin_m` the clearances (m) of each path between any two bodies, and between hand
     and target. `grasps="none"` runs planners that make their own grasps.
 
     `sandbox` runs external programs with the protection that the machine supports ("auto"), without it ("off"), or
@@ -199,6 +201,7 @@ def run(
         grasp_margin_m=grasp_margin_m,
         robust=robust,
         hold=hold,
+        try_in_physics=try_in_physics,
         sandbox=sandbox,
         again=list(again),
         shard=shard,

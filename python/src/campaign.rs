@@ -43,7 +43,7 @@ where
 /// `heard`: a function called with the numbers of ended, scheduled and solved trials whenever they change, or None.
 #[pyfunction]
 #[pyo3(signature = (scenarios, planners, output, worker, *, criteria, runs, first_seed, time_limit_s, iterations,
-    memory_limit_mb, workers, judge_both, measure_clearance, carry, task, grasps, margin_m, grasp_margin_m, robust, hold, sandbox, again, shard, command,
+    memory_limit_mb, workers, judge_both, measure_clearance, carry, task, grasps, margin_m, grasp_margin_m, robust, hold, try_in_physics, sandbox, again, shard, command,
     heard=None))]
 #[allow(clippy::too_many_arguments, reason = "what a campaign is")]
 pub fn run_campaign(
@@ -68,6 +68,7 @@ pub fn run_campaign(
     grasp_margin_m: f64,
     robust: Option<(f64, f64)>,
     hold: Option<f64>,
+    #[pyo3(from_py_with = whole::try_in_physics)] try_in_physics: Option<u64>,
     sandbox: &str,
     again: Vec<String>,
     shard: Option<(u64, u64)>,
@@ -94,6 +95,7 @@ pub fn run_campaign(
             margins: Margins { margin_m, grasp_margin_m, ..Margins::default() },
             robust: robust.map(|(translation_m, rotation_rad)| PoseRadius { translation_m, rotation_rad }),
             hold,
+            try_in_physics,
             without_grasp_set: grasps.map_or(Ok(false), without_grasp_set)?,
         },
         exceptions: Vec::new(),

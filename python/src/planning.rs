@@ -9,7 +9,7 @@ use cranny_path::{AuditSettings, TimingMethod, audit_with};
 use cranny_plan::Observer;
 use cranny_record::{CarryGoal, PlanFile, PlanOptions, SpeedOption, SpeedOptions, TaskSelection};
 use cranny_robot::Robot;
-use cranny_sim::{SimulatedAnswer, solve_in_physics};
+use cranny_sim::solve_in_physics;
 use cranny_solve::{PoseRadius, solve};
 use cranny_task::Move;
 use cranny_view::WatchedSearch;
@@ -271,18 +271,19 @@ pub fn plan<'py>(
     let found = py.detach(|| match (try_in_physics, &task.scenario) {
         (Some(most), Some(scenario)) => {
             let asked = (scenario.as_ref(), &task.problem);
-            solve_in_physics(asked, (&request, &task.source), most, &mut observer, |_| {}).map_err(fault)
+            let found = solve_in_physics(asked, (&request, &task.source), most, &mut observer, |_| {});
+            found.map(|found| (found.answer, found.tries)).map_err(fault)
         }
         (Some(_), None) => Err(bad_value("try_in_physics needs a Scenario")),
         (None, _) => {
             let answer = solve(&task.problem, &request, &mut observer).map_err(fault)?;
-            Ok(SimulatedAnswer { answer, tries: Vec::new() })
+            Ok((answer, Vec::new()))
         }
     });
     let PlanObserver { interrupt, watched } = observer;
     // Ctrl-C takes precedence over the result of the search.
     interrupt.result()?;
-    let SimulatedAnswer { answer, tries } = found?;
+    let (answer, tries) = found?;
     let file = PlanFile { tries, ..PlanFile::of(&answer, &task.source) };
     let is_valid = answer.is_valid();
     let trajectory = answer.timed.map(|timed| Arc::new(timed.trajectory));

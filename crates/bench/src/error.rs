@@ -90,6 +90,9 @@ pub enum BenchError {
     /// Error of a planner.
     #[error(transparent)]
     Plan(#[from] cranny_plan::PlanError),
+    /// Error of a simulation.
+    #[error(transparent)]
+    Sim(#[from] cranny_sim::SimError),
     /// Error of a task.
     #[error(transparent)]
     Task(#[from] cranny_task::TaskError),

@@ -6,7 +6,7 @@ use std::process::{Output, Stdio};
 use std::time::Duration;
 
 use assert_cmd::Command;
-use cranny_bench::{Results, TrialOutcome};
+use cranny_bench::{Results, StoredTrial, TrialOutcome};
 use serde_json::Value;
 
 fn folder() -> tempfile::TempDir {
@@ -124,6 +124,35 @@ fn every_planner_s_trial_is_replayed_to_the_same_bytes() {
         with_path += usize::from(again["waypoints"].as_array().is_some_and(|path| !path.is_empty()));
     }
     assert!(with_path >= 8, "{with_path} of 10 have a path");
+}
+
+/// Without a required hold factor, `reach` picks the box (031) by grasps of which half let it slip.
+#[test]
+fn plans_of_a_campaign_are_tried_in_physics() {
+    let folder = folder();
+    let solved_with = |most: usize| {
+        let file = format!("{most}.db");
+        campaign(
+            folder.path(),
+            &format!(
+                "--scenarios 031 --planners reach --runs 6 --carry home --hold 0 --try-in-physics {most} -o {file}"
+            ),
+        );
+        let trials = Results::open(&folder.path().join(file)).expect("results").trials().expect("trials");
+        let failed = trials.iter().filter(|trial| trial.record.outcome == TrialOutcome::GaveUp);
+        for record in failed.map(|trial| &trial.record) {
+            let detail = record.detail.as_deref().unwrap_or_default();
+            assert!(detail.starts_with(&format!("none of {most} plans went as planned")), "{detail}");
+        }
+        let is_solved = |trial: &StoredTrial| trial.record.is_solved();
+        trials
+            .iter()
+            .filter(|trial| is_solved(trial))
+            .map(|trial| trial.record.trial.seed)
+            .collect::<HashSet<u64>>()
+    };
+    let (once, thrice) = (solved_with(1), solved_with(3));
+    assert!(once.len() < thrice.len() && once.is_subset(&thrice), "{once:?} {thrice:?}");
 }
 
 #[test]

@@ -3,8 +3,6 @@
 use rapier3d_f64::math::Vector;
 use rapier3d_f64::prelude::{Collider, Shape};
 
-use crate::engine::PREDICTION_M;
-
 /// Ball about a shape, in the frame of its collider, rounded outwards to single precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BoundingBall {
@@ -12,6 +10,8 @@ pub(crate) struct BoundingBall {
     radius_m: f64,
 }
 
+/// Maximum gap of a predicted contact, in metres.
+pub(crate) const PREDICTION_M: f64 = 0.002;
 /// Maximum error of a coordinate up to 10 m in single precision, in metres.
 const ROUNDING_M: f64 = 1e-6;
 

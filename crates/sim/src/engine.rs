@@ -14,7 +14,7 @@ use rapier3d_f64::prelude::{
     SpringCoefficients, TriMeshFlags,
 };
 
-use crate::bounding_ball::BoundingBall;
+use crate::bounding_ball::{BoundingBall, PREDICTION_M};
 use crate::contact_patch::ContactPatch;
 use crate::{Physics, Piece, PieceShape, SimError};
 
@@ -81,9 +81,6 @@ pub(crate) fn world(physics: &Physics) -> PhysicsWorld {
     parameters.max_ccd_substeps = 0;
     world
 }
-
-/// Maximum gap of a predicted contact, in metres.
-pub(crate) const PREDICTION_M: f64 = 0.002;
 
 /// Advances a world by one step. With face contacts, more stabilization iterations are needed: with one, a long held object
 /// creeps by millimetres per second. With edge contacts, more iterations would exceed the limit of friction (see

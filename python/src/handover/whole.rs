@@ -47,6 +47,7 @@ arguments! {
 
 optional_arguments! {
     iterations: u64 = 0..=u64::MAX,
+    try_in_physics: u64 = 1..=1000,
     candidates: usize = 0..=usize::MAX,
     threads: usize = 1..=MOST_THREADS,
 }

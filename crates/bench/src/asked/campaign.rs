@@ -387,6 +387,9 @@ impl Campaign {
         if let Some(hold) = self.demand.hold {
             checked_hold(hold)?;
         }
+        if let Some(most) = self.demand.try_in_physics {
+            checked_tries(most)?;
+        }
         // A results file can store only values below 2^63.
         let last_seed = self.first_seed.checked_add(most_runs.unwrap_or(0));
         if last_seed.is_none_or(|seed| i64::try_from(seed).is_err()) {
@@ -428,6 +431,17 @@ pub(crate) fn checked_hold(value: f64) -> Result<f64, BenchError> {
         return Ok(value);
     }
     Err(BenchError::Range { what: "a hold", value, range: "from 0 to 100" })
+}
+
+/// Validates the maximum number of plans that are executed in physics.
+pub(crate) fn checked_tries(value: u64) -> Result<u64, BenchError> {
+    /// Each takes a second or so.
+    const MOST: u64 = 1000;
+    if (1..=MOST).contains(&value) {
+        return Ok(value);
+    }
+    let range = "from 1 to 1000";
+    Err(BenchError::Range { what: "the number of plans tried in physics", value: value as f64, range })
 }
 
 /// Validates a demanded clearance, in metres.

@@ -11,7 +11,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 use serde_saphyr::{Location, Spanned};
 
-use crate::asked::campaign::{checked_hold, checked_margin, checked_time_limit, checked_turn};
+use crate::asked::campaign::{checked_hold, checked_margin, checked_time_limit, checked_tries, checked_turn};
 use crate::asked::scenario_choice::matches;
 use crate::{BenchError, Campaign, CampaignPlanner, CarryTo, Exception, PathDemand, PlannerCall};
 
@@ -53,6 +53,8 @@ struct CampaignEntry {
     robust_rad: Option<Spanned<f64>>,
     #[serde(default)]
     hold: Option<Spanned<f64>>,
+    #[serde(default)]
+    try_in_physics: Option<Spanned<u64>>,
     #[serde(default)]
     exceptions: Vec<Spanned<ExceptionEntry>>,
 }
@@ -138,6 +140,9 @@ impl Campaign {
             rotation_rad: checked(entry.robust_rad, 0.0, checked_turn)?,
         });
         let hold = entry.hold.map(|hold| checked(Some(hold), 0.0, checked_hold)).transpose()?;
+        let try_in_physics = entry.try_in_physics.map(|most| {
+            checked_tries(most.value).map_err(|problem| fault(most.referenced, problem.to_string()))
+        });
         let mut exceptions = Vec::new();
         for Spanned { value: ExceptionEntry { scenario, planner, time_limit_s }, referenced, .. } in
             entry.exceptions
@@ -173,6 +178,7 @@ impl Campaign {
                 margins,
                 robust,
                 hold,
+                try_in_physics: try_in_physics.transpose()?,
                 without_grasp_set: entry.grasps.is_some(),
             },
             exceptions,

@@ -115,9 +115,10 @@ impl OpenedScenarios {
             let (scenario, source_name) = (trial.scenario.clone(), source.to_owned());
             return Err(BenchError::ChangedScenario { scenario, source_name });
         }
-        // The destination and the grip do not affect the opened scenario.
+        // Destination, grip and physics do not affect the opened scenario.
+        let (carry, task, hold, try_in_physics) = (None, None, None, None);
         let demand =
-            PathDemand { carry: None, task: None, hold: None, ..PathDemand::of_settings(&trial.settings) };
+            PathDemand { carry, task, hold, try_in_physics, ..PathDemand::of_settings(&trial.settings) };
         let key = (source.to_owned(), criterion.name(), format!("{demand:?}"));
         let known = self.opened.iter().position(|(known, ..)| *known == key);
         let entry = if let Some(known) = known {

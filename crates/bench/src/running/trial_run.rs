@@ -1,9 +1,13 @@
+use std::cell::RefCell;
 use std::time::Duration;
 
 use cranny_file::system::PeakMemory;
 use cranny_path::{AuditSettings, Clearances, audit_task};
-use cranny_plan::{Budget, Observer, Registry};
-use cranny_solve::{DEFAULT_HOLD, solve};
+use cranny_plan::{Budget, Observer, Registry, Statistics};
+use cranny_record::{PlanAttempt, PlanSource};
+use cranny_scenario::Scenario;
+use cranny_sim::{SimulatedAnswer, solve_in_physics};
+use cranny_solve::{Answer, DEFAULT_HOLD, Timing, solve};
 use cranny_task::{Criterion, Goal, Stage, joined};
 
 use crate::foreign::foreign_planner::{ForeignPlanner, ForeignTask};
@@ -11,6 +15,9 @@ use crate::foreign::process_group::Leash;
 use crate::running::opened_scenario::{OpenedScenario, OpenedScenarios};
 use crate::running::worker_message::{Message, Request, TrialRun};
 use crate::{BenchError, PathDemand, PlannerCall, TrialOutcome, TrialRecord, running::judge};
+
+/// Function that sends a message to the campaign.
+type Tell<'a> = &'a mut dyn FnMut(&Message) -> Result<(), BenchError>;
 
 /// Runs one trial, and returns its record and the planner's own path.
 ///
@@ -25,7 +32,7 @@ pub fn run(
     request: &Request,
     (scenarios, peak): (&mut OpenedScenarios, &mut PeakMemory),
     leash: &Leash,
-    tell: &mut dyn FnMut(&Message) -> Result<(), BenchError>,
+    tell: Tell<'_>,
 ) -> Result<TrialRun, BenchError> {
     let question = &request.question;
     let trial = &question.trial;
@@ -83,6 +90,7 @@ pub fn run(
                 keep_path: true,
                 stages: stages.clone(),
                 hold: demand.hold.or(Some(DEFAULT_HOLD)),
+                timing: demand.try_in_physics.map(|_| Timing::default()),
                 // A path to one goal is judged below.
                 audit: if aimed.is_some() {
                     AuditSettings { clearances: Clearances::None, ..settings }
@@ -92,20 +100,33 @@ pub fn run(
                 ..cranny_solve::Request::default()
             };
             peak.begin();
-            let mut end = EndOfSearch { tell, told: Ok(()), peak, memory_bytes: None };
-            let answer = solve(aimed.as_ref().unwrap_or(&opened.problem), &asked, &mut end)?;
+            let tell = RefCell::new(tell);
+            let mut end = EndOfSearch { tell: &tell, told: Ok(()), peak, memory_bytes: None };
+            let problem = aimed.as_ref().unwrap_or(&opened.problem);
+            let found = match demand.try_in_physics {
+                Some(most) => {
+                    let source = source_of(&opened.scenario, &demand);
+                    let most = usize::try_from(most).unwrap_or(usize::MAX);
+                    let asked = ((&opened.scenario, problem), (&asked, &source));
+                    // The next search has a time limit of its own.
+                    let again = |_: &PlanAttempt| drop((tell.borrow_mut())(&Message::Opened));
+                    Found::tried(solve_in_physics(asked.0, asked.1, most, &mut end, again)?)
+                }
+                None => Found::of(solve(problem, &asked, &mut end)?),
+            };
             end.told?;
-            let outcome = TrialOutcome::without_path(answer.outcome);
+            let outcome = TrialOutcome::without_path(found.answer.outcome);
+            let detail = found.answer.refused.as_ref().map(ToString::to_string);
             let record = TrialRecord {
                 memory_bytes: end.memory_bytes,
-                ..TrialRecord::without_path(
-                    trial,
-                    outcome,
-                    answer.refused.as_ref().map(ToString::to_string),
-                    answer.statistics,
-                )
+                ..TrialRecord::without_path(trial, outcome, detail, found.statistics)
             };
-            (record, answer.segments, answer.audit.filter(|_| aimed.is_none()))
+            if let Some(failure) = found.failure {
+                // No plan went as planned: there is no path to judge.
+                let record = TrialRecord { outcome: TrialOutcome::GaveUp, detail: Some(failure), ..record };
+                return Ok((record, Vec::new()));
+            }
+            (record, found.answer.segments, found.answer.audit.filter(|_| aimed.is_none()))
         }
         (_, None) => return Err(BenchError::Program { program: question.call.name() }),
     };
@@ -132,18 +153,53 @@ pub fn run(
     Ok((record, path))
 }
 
+/// Answer of a built-in planner.
+struct Found {
+    answer: Answer,
+    /// Sum over all searches.
+    statistics: Statistics,
+    /// Result in physics if no plan went as planned.
+    failure: Option<String>,
+}
+
+impl Found {
+    fn of(answer: Answer) -> Self {
+        Self { statistics: answer.statistics, answer, failure: None }
+    }
+
+    fn tried(SimulatedAnswer { answer, tries, statistics }: SimulatedAnswer) -> Self {
+        let failed = tries.last().filter(|last| !last.as_planned);
+        let failure = failed.map(|last| {
+            let count = tries.len();
+            format!("none of {count} plans went as planned in physics; the last object: {}", last.outcome)
+        });
+        Self { answer, statistics, failure }
+    }
+}
+
+fn source_of(scenario: &Scenario, demand: &PathDemand) -> PlanSource {
+    PlanSource {
+        scenario: scenario.id.clone(),
+        robot: None,
+        geometry: None,
+        grasps: demand.given_grasps(),
+        margins: demand.margins,
+        task: None,
+    }
+}
+
 /// Observer that measures the memory of the search and reports its end: judging has limits of its own.
-struct EndOfSearch<'a> {
-    tell: &'a mut dyn FnMut(&Message) -> Result<(), BenchError>,
+struct EndOfSearch<'a, 't> {
+    tell: &'a RefCell<Tell<'t>>,
     told: Result<(), BenchError>,
     peak: &'a PeakMemory,
     memory_bytes: Option<u64>,
 }
 
-impl Observer for EndOfSearch<'_> {
+impl Observer for EndOfSearch<'_, '_> {
     fn search_ended(&mut self) {
         self.memory_bytes = self.peak.growth_bytes();
-        self.told = (self.tell)(&Message::Planned);
+        self.told = (self.tell.borrow_mut())(&Message::Planned);
     }
 }
 

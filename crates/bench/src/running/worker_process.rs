@@ -129,7 +129,7 @@ impl WorkerProcess {
             match self.lines.recv_timeout(LOOK_EVERY) {
                 Ok(line) => match serde_json::from_str(&line) {
                     Ok(Message::Opened) => {
-                        begin = Instant::now();
+                        (begin, searched_s) = (Instant::now(), None);
                         deadline = begin.checked_add(limit.saturating_add(GRACE));
                         let held = self.resident_bytes();
                         memory_bytes = held.map(|held| held + request.memory_limit_bytes);

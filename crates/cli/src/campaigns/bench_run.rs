@@ -102,6 +102,10 @@ pub struct RunArguments {
     /// Require that the hand holds the object with this factor, as `plan --hold` does [default: 1.5]
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
     hold: Option<f64>,
+    /// Execute each plan of a built-in planner in physics and plan again until one goes as planned, at most N times, as `plan
+    /// --try-in-physics` does; the times of the searches are added
+    #[arg(long, value_name = "N", value_parser = whole::<u64>(1..=1000))]
+    try_in_physics: Option<u64>,
     /// Provide no set of grasps: `none`. Planners then generate their own, which the judge measures on the target's mesh
     #[arg(long, value_name = "none", value_parser = ["none"])]
     grasps: Option<String>,
@@ -280,6 +284,7 @@ fn campaign(arguments: &RunArguments, registry: &Registry) -> Result<Campaign, F
     campaign.demand.task = arguments.task.clone().or(campaign.demand.task.take());
     campaign.demand.robust = arguments.robust.or(campaign.demand.robust);
     campaign.demand.hold = arguments.hold.or(campaign.demand.hold);
+    campaign.demand.try_in_physics = arguments.try_in_physics.or(campaign.demand.try_in_physics);
     campaign.demand.without_grasp_set |= arguments.grasps.is_some();
     campaign.demand.margins = arguments.margins.or(campaign.demand.margins);
     campaign.measure_clearance &= !arguments.no_clearance;

@@ -5,7 +5,7 @@ use cranny_collision::Margins;
 use cranny_grasp::ScoreKind;
 use cranny_plan::{Observer as _, Registry};
 use cranny_record::{PlanFile, PlanOptions, PlanSource, default_grasp_margin_m, write_trajectory_csv};
-use cranny_sim::{SimulatedAnswer, solve_in_physics};
+use cranny_sim::solve_in_physics;
 use cranny_solve::solve;
 use cranny_task::{Problem, TaskError};
 
@@ -48,13 +48,14 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
     let mut progress = SearchProgress::new(output.quiet, stop_on_interrupt());
     let begin_of_solving = Instant::now();
     let tries = arguments.try_in_physics.zip(scenario.as_ref());
-    let SimulatedAnswer { answer, tries } = match tries {
+    let (answer, tries) = match tries {
         Some((most, scenario)) => {
             let most = usize::try_from(most).unwrap_or(usize::MAX);
             let asked = (scenario, &problem);
-            solve_in_physics(asked, (&request, &source), most, &mut progress, |_| {})?
+            let found = solve_in_physics(asked, (&request, &source), most, &mut progress, |_| {})?;
+            (found.answer, found.tries)
         }
-        None => SimulatedAnswer { answer: solve(&problem, &request, &mut progress)?, tries: Vec::new() },
+        None => (solve(&problem, &request, &mut progress)?, Vec::new()),
     };
     let solving_time_s = begin_of_solving.elapsed().as_secs_f64();
     let failed = scenario.as_ref().filter(|_| !answer.is_solved() && !progress.should_stop());

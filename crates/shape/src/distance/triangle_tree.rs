@@ -89,7 +89,7 @@ impl RaySlabs {
         for axis in 0..3 {
             let [a, b] = [low[axis], high[axis]].map(|face| (face - self.origin[axis]) * self.inverse[axis]);
             from = from.max(a.min(b));
-            // Three roundings (Ize 2013, "Robust BVH ray traversal").
+            // Three roundings (Ize 2013, "Robust BVH ray traversal", whole).
             to = to.min(a.max(b) * (1.0 + 4.0 * f64::EPSILON));
         }
         from <= to

@@ -1,4 +1,4 @@
-use cranny_plan::Observer;
+use cranny_plan::{Observer, Statistics};
 use cranny_record::{LeftOut, PlanAttempt, PlanFile, PlanSource};
 use cranny_scenario::{ObjectError, Scenario, ScenarioError, TargetPhysics};
 use cranny_solve::{Answer, Request, solve};
@@ -13,6 +13,8 @@ pub struct SimulatedAnswer {
     pub answer: Answer,
     /// Attempts in order; empty if no path was found.
     pub tries: Vec<PlanAttempt>,
+    /// Sum over all searches, without the time of their simulations.
+    pub statistics: Statistics,
 }
 
 /// Distance of the lift of a plan that ends at its grasp, in metres.
@@ -33,7 +35,8 @@ pub fn solve_in_physics(
 ) -> Result<SimulatedAnswer, SimError> {
     check_masses(scenario, &request.stages)?;
     let mut request = request.clone();
-    let mut last = SimulatedAnswer { answer: solve(problem, &request, observer)?, tries: Vec::new() };
+    let answer = solve(problem, &request, observer)?;
+    let mut last = SimulatedAnswer { statistics: answer.statistics, answer, tries: Vec::new() };
     while last.answer.is_solved() && last.tries.len() < most {
         let result = try_once(scenario, problem, &last.answer, source)?;
         tried(&result);
@@ -45,6 +48,7 @@ pub fn solve_in_physics(
         }
         request.seed = request.seed.wrapping_add(1);
         let answer = solve(problem, &request, observer)?;
+        last.statistics = last.statistics.with(&answer.statistics);
         if !answer.is_solved() {
             break;
         }
