@@ -22,7 +22,7 @@ const MOST_STEPS: usize = 40;
 const ENOUGH_M: f64 = 1e-8;
 
 /// Magnitudes of the greatest component of a plane: the coarser one is shorter.
-const GRIDS: [f64; 3] = [15.0, 255.0, 32767.0];
+const GRIDS: [f64; 4] = [9.0, 99.0, 999.0, 32767.0];
 
 impl Gap<'_> {
     /// Returns the least n·(b − a) of two points at these parameters, and that difference.
@@ -75,7 +75,7 @@ impl Gap<'_> {
             normals.into_iter().map(move |n| self.moved[side].pose.rotation * n)
         };
         let given = normals(0).chain(normals(1)).chain([Vector::z(), -Vector::z()]).collect::<Vec<_>>();
-        given.iter().filter(|n| self.is_apart(n)).find_map(|n| self.rounded(n, GRIDS[2]))
+        given.iter().filter(|n| self.is_apart(n)).find_map(|n| self.rounded(n, GRIDS[3]))
     }
 
     fn rounded(&self, v: &Vector, grid: f64) -> Option<[i16; 3]> {

@@ -25,6 +25,19 @@ pub(crate) enum Kind {
     Union(Arc<BoxUnion>),
 }
 
+impl Solid {
+    /// Returns true if both are clones of one solid, or half-spaces.
+    pub fn is_clone_of(&self, other: &Self) -> bool {
+        match (&self.kind, &other.kind) {
+            (Kind::Convex(a), Kind::Convex(b)) => Arc::ptr_eq(a, b),
+            (Kind::Mesh(a), Kind::Mesh(b)) => Arc::ptr_eq(a, b),
+            (Kind::Union(a), Kind::Union(b)) => Arc::ptr_eq(a, b),
+            (Kind::HalfSpace, Kind::HalfSpace) => true,
+            _ => false,
+        }
+    }
+}
+
 /// Kind and dimensions of a solid. All shapes are centred at the origin, with their length along z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outline {

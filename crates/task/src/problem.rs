@@ -177,7 +177,7 @@ impl Problem {
     }
 
     /// Returns the load model of grasps of a body where it stands in a cell; `None` if it cannot be computed ([`LoadModel`]).
-    pub(crate) fn load_model(&self, cell: &Cell, body: usize) -> Option<LoadModel> {
+    pub(crate) fn load_model(&self, cell: &Cell, body: usize) -> Option<Arc<LoadModel>> {
         LoadModel::new(cell, body, self.frictions.get(body).copied().flatten(), &self.weights)
     }
 

@@ -206,10 +206,8 @@ impl<'a> Chain<'a> {
         }
         let refusals = Arc::new(Refusals::default());
         let demanded = self.request.hold.filter(|hold| *hold > 0.0);
-        let load_model = carrier
-            .as_ref()
-            .zip(demanded)
-            .and_then(|(carrier, _)| carrier.load_model(self.problem).map(Arc::new));
+        let load_model =
+            carrier.as_ref().zip(demanded).and_then(|(carrier, _)| carrier.load_model(self.problem));
         let asked = {
             let on_the_way = picking.cell().filter(|_| pick.approach_m > 0.0);
             let on_the_way = on_the_way.map(|cell| blocked_approach(cell, pick.approach_m));

@@ -1,7 +1,7 @@
 use std::fmt;
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use cranny_collision::{Body, Cell, World};
+use cranny_collision::{Body, Cell, Part, World};
 use cranny_grasp::{ASSUMED_FRICTION, GripForces, Hand, HeldObject, LoadMeasure, Pads};
 use cranny_robot::Robot;
 use cranny_shape::{Outline, TriangleSoup, UnionMoments, VolumeMoments};
@@ -27,11 +27,37 @@ pub(crate) struct Weights {
     of_bodies: Vec<Weight>,
     /// Pads and closing force (N) of the robot's hand, computed on first use.
     pads: OnceLock<Option<(Pads, f64)>>,
+    /// Load models that were created last, the newest last.
+    models: Arc<Mutex<Vec<Known>>>,
+}
+
+/// Maximum number of load models that are kept.
+const MOST_MODELS: usize = 8;
+
+/// A load model with the body and the friction that it was created for.
+#[derive(Clone, Debug)]
+struct Known {
+    index: usize,
+    body: Body,
+    friction: Option<f64>,
+    model: Option<Arc<LoadModel>>,
+}
+
+impl Known {
+    fn is_of(&self, index: usize, body: &Body, friction: Option<f64>) -> bool {
+        let are_same = |(own, other): (&Part, &Part)| {
+            own.world_from_solid == other.world_from_solid && own.solid.is_clone_of(&other.solid)
+        };
+        self.index == index
+            && self.friction.map(f64::to_bits) == friction.map(f64::to_bits)
+            && self.body.parts.len() == body.parts.len()
+            && self.body.parts.iter().zip(&body.parts).all(are_same)
+    }
 }
 
 impl Weights {
     pub fn new(of_bodies: &[Weight]) -> Self {
-        Self { of_bodies: of_bodies.to_vec(), pads: OnceLock::new() }
+        Self { of_bodies: of_bodies.to_vec(), ..Self::default() }
     }
 
     /// Returns the weight of a body, by index.
@@ -66,10 +92,28 @@ impl fmt::Debug for LoadModel {
 }
 
 impl LoadModel {
-    /// Creates the measure for a body of the world of a cell; without a stated friction it assumes [`ASSUMED_FRICTION`]. `None`
-    /// for a hand without two flat pads, or a body that encloses no volume.
-    pub(crate) fn new(cell: &Cell, body: usize, friction: Option<f64>, weights: &Weights) -> Option<Self> {
-        Self::in_world(cell.world(), body, weights.pads(cell.robot())?, (friction, weights.of_body(body)))
+    /// Returns the measure for a body of the world of a cell, which is created if it is not known; without a stated friction it
+    /// assumes [`ASSUMED_FRICTION`]. `None` for a hand without two flat pads, or a body that encloses no volume.
+    pub(crate) fn new(
+        cell: &Cell,
+        index: usize,
+        friction: Option<f64>,
+        weights: &Weights,
+    ) -> Option<Arc<Self>> {
+        let mut models = weights.models.lock().unwrap_or_else(PoisonError::into_inner);
+        let body = &cell.world().bodies()[index];
+        if let Some(known) = models.iter().find(|known| known.is_of(index, body, friction)) {
+            return known.model.clone();
+        }
+        let weight = weights.of_body(index);
+        let model = weights
+            .pads(cell.robot())
+            .and_then(|pads| Self::in_world(cell.world(), index, pads, (friction, weight)).map(Arc::new));
+        if models.len() == MOST_MODELS {
+            models.remove(0);
+        }
+        models.push(Known { index, body: body.clone(), friction, model: model.clone() });
+        model
     }
 
     /// Creates the measure for grasps of a body by a hand. Friction and mass that are not stated are assumed:

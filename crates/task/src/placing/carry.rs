@@ -94,7 +94,7 @@ impl Carrier {
     }
 
     /// Returns the load model of grasps of the object where it stands; `None` if it cannot be computed ([`LoadModel`]).
-    pub fn load_model(&self, problem: &Problem) -> Option<LoadModel> {
+    pub fn load_model(&self, problem: &Problem) -> Option<Arc<LoadModel>> {
         problem.load_model(&self.cell, self.hand.target())
     }
 
