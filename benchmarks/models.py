@@ -126,8 +126,9 @@ def compare(path: Path, name: str, count: int) -> Row | None:
     ]
     if not free:
         return compare_world(mujoco, model, path, row)
-    # Cranny checks contacts that a model switches off, and names that.
-    model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    # Cranny checks contacts that a model switches off, and names that. Without constraints, MuJoCo finds no contacts either.
+    for flag in (mujoco.mjtDisableBit.mjDSBL_CONTACT, mujoco.mjtDisableBit.mjDSBL_CONSTRAINT):
+        model.opt.disableflags &= ~int(flag)
     try:
         robot = cranny.Robot.from_urdf(path, joints=free)
         cell = cranny.Cell(robot, [])

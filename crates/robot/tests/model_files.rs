@@ -2,6 +2,7 @@
 //! `crates/cli/tests/golden/robots` compares poses with `MuJoCo`.
 
 use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_2;
 use std::fs;
 use std::path::Path;
 
@@ -310,6 +311,25 @@ fn a_world_of_an_sdf_has_its_free_models_and_its_ground() {
     let names: Vec<&str> = links.iter().map(|link| link.name.as_str()).collect();
     assert_eq!(names, ["table::top", "first::body"]);
     assert!((links[1].solids[0].0.translation.vector - Vector::new(1.0, 0.0, 0.6)).norm() < 1e-12);
+}
+
+/// Models of Gazebo of versions before 1.7 name joints like links, state limits of 1e12 and begin with an empty line.
+#[test]
+fn an_old_sdf_of_gazebo_is_read() {
+    let text = "\n<?xml version='1.0'?>\n<sdf version='1.5'><model name='m'>
+      <link name='a'/><link name='wheel'><pose>1 0 0 0 0 0</pose></link>
+      <joint name='wheel' type='revolute'><pose>0 0.5 0 0 0 0</pose><parent>a</parent><child>wheel</child>
+        <axis><xyz>0 0 1</xyz><limit><lower>-1e12</lower><upper>1e12</upper></limit></axis></joint></model></sdf>";
+    let robot = read(text).expect("a robot");
+    assert_eq!(robot.joint_names(), ["wheel"]);
+    assert!(robot.limits()[0].upper < 1e4, "{:?}", robot.limits());
+    // A quarter turn about (1, 0.5) moves the origin of the wheel.
+    let wheel = robot.link_index("wheel").expect("a link");
+    let place = robot.frames_at(&[FRAC_PI_2]).link(wheel).translation.vector;
+    assert!((place - Vector::new(1.5, 0.5, 0.0)).norm() < 1e-12, "{place}");
+    let double = text.replacen("1.5", "1.9", 1);
+    let refused = read(&double).expect_err("a joint named like a link").to_string();
+    assert!(refused.contains("m.xml:5: frame `wheel` is defined twice, first in line 4"), "{refused}");
 }
 
 #[test]

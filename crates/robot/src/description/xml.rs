@@ -56,19 +56,22 @@ impl<'a> XmlText<'a> {
         if text.trim().is_empty() {
             return Err(RobotError::Empty { file: file.to_owned() });
         }
-        let line_starts: Vec<usize> =
-            std::iter::once(0).chain(text.match_indices('\n').map(|(end, _)| end + 1)).collect();
+        // Files of Gazebo begin with empty lines, before which a declaration is not well-formed.
+        let body = text.trim_start();
+        let skipped = text[..text.len() - body.len()].matches('\n').count();
+        let starts = std::iter::once(0).chain(body.match_indices('\n').map(|(end, _)| end + 1));
+        let line_starts: Vec<usize> = std::iter::repeat_n(0, skipped).chain(starts).collect();
         let place = |line| Location { file: file.to_owned(), line: u32::try_from(line).unwrap_or(u32::MAX) };
         if let Some(XmlExcess { line, what, most, actual }) = xml_excess(text) {
             return Err(RobotError::TooMany { at: place(line), what, most, actual });
         }
-        let document = Document::parse(text).map_err(|reason| {
+        let document = Document::parse(body).map_err(|reason| {
             // The parser gives no position for a text that ends too early; the error is then at the last line.
             let line = match reason {
                 roxmltree::Error::UnclosedRootNode | roxmltree::Error::UnexpectedEndOfStream => {
                     text.lines().count()
                 }
-                ref other => other.pos().row as usize,
+                ref other => skipped + other.pos().row as usize,
             };
             let at = place(line);
             if matches!(&reason, roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro") {

@@ -91,7 +91,7 @@ impl Collector {
                         relative_to.map_or_else(|| joint.child.clone(), |name| scope.frame(name));
                     let attached_to = Some(joint.child.clone());
                     let frame = Frame { at: element.at(), relative_to, pose, attached_to };
-                    self.frames.add(joint.name.clone(), frame)?;
+                    self.frames.add(joint.frame.clone(), frame)?;
                     self.joints.push(joint);
                 }
                 "frame" => {

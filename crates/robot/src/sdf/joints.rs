@@ -6,12 +6,14 @@ use crate::model_file::body_tree::JointRule;
 use crate::sdf::scope::Scope;
 use crate::{JointKind, Location, RobotError};
 
-/// Value from which a limit is none (specification, limit: 1e16).
-const NO_LIMIT: f64 = 1e15;
+/// Value from which a limit is none (specification, limit: 1e16; models of Gazebo state 1e12).
+const NO_LIMIT: f64 = 1e9;
 
 /// A joint, with the names of its ends as frames.
 pub(crate) struct SdfJoint {
     pub(crate) name: String,
+    /// Name of its frame.
+    pub(crate) frame: String,
     pub(crate) at: Location,
     pub(crate) parent: String,
     pub(crate) child: String,
@@ -58,7 +60,7 @@ impl SdfJoint {
             }
             _ => None,
         };
-        Ok(Self { name: scope.name(name), at: element.at(), parent, child, motion })
+        Ok(Self { name: scope.name(name), frame: scope.joint_frame(name), at: element.at(), parent, child, motion })
     }
 }
 
@@ -80,7 +82,7 @@ impl SdfMotion {
             _ if scope.version <= [1, 4] || axis.value_flag("use_parent_model_frame") => {
                 scope.model_frame.clone()
             }
-            _ => scope.frame(joint),
+            _ => scope.joint_frame(joint),
         };
         let limit = axis.first("limit").filter(|_| is_limited);
         let bound = |tag| limit.map_or(Ok(None), |limit| limit.value_number(tag));

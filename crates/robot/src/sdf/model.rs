@@ -146,7 +146,7 @@ fn tree_joint(
     Ok(Some(TreeJoint {
         name: joint.name.clone(),
         kind: motion.kind,
-        anchor: link_from(&joint.name)?.translation.vector,
+        anchor: link_from(&joint.frame)?.translation.vector,
         axis: link_from(&motion.expressed_in)?.rotation * motion.axis,
         range: motion.range,
         reference: 0.0,

@@ -21,6 +21,11 @@ impl Scope {
         format!("{}{name}", self.prefix)
     }
 
+    /// Returns the frame of a joint. Until version 1.6 nothing is relative to a joint, and a link may have its name.
+    pub(crate) fn joint_frame(&self, joint: &str) -> String {
+        if self.version < [1, 7] { format!("{}{joint}::__joint__", self.prefix) } else { self.name(joint) }
+    }
+
     /// Returns the frame that a name in this scope denotes.
     pub(crate) fn frame(&self, name: &str) -> String {
         match name {
