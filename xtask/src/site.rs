@@ -56,10 +56,10 @@ const SUMMARY: &str = "# Summary
 
 # Understanding
 
-- [How proofs work](docs/proofs.md)
+- [Proofs](docs/proofs.md)
 - [Certificates](docs/certificate.md)
-- [What Cranny does not claim](docs/limits.md)
-- [What is claimed, and where it is shown](docs/claims.md)
+- [Limits](docs/limits.md)
+- [Claims and their evidence](docs/claims.md)
 - [Releasing](docs/releasing.md)
 ";
 
