@@ -137,6 +137,7 @@ fn a_named_planner_serves_the_stages_that_it_suits() {
     // The objects are measured after each pick, and the rest is replanned if one is off.
     let (code, executed) = answer(folder, &["plan", "235", "235.plan.json", "--replan"]);
     assert!(code < 2 && executed["new_plans"].is_u64(), "{executed}");
+    assert_eq!(executed["as_planned"] == true, executed["stopped"].is_null(), "{executed}");
     let (code, _, words) =
         cranny(folder, &["simulate", "plan", "235", "235.plan.json", "--export", "x.json"]);
     assert!(code == 2 && words.contains("3 picks"), "{words}");

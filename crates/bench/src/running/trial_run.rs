@@ -188,7 +188,7 @@ fn source_of(scenario: &Scenario, demand: &PathDemand) -> PlanSource {
     }
 }
 
-/// Observer that measures the memory of the search and reports its end: judging has limits of its own.
+/// Observer that measures the memory of the first search and reports the end of each: judging has limits of its own.
 struct EndOfSearch<'a, 't> {
     tell: &'a RefCell<Tell<'t>>,
     told: Result<(), BenchError>,
@@ -198,7 +198,8 @@ struct EndOfSearch<'a, 't> {
 
 impl Observer for EndOfSearch<'_, '_> {
     fn search_ended(&mut self) {
-        self.memory_bytes = self.peak.growth_bytes();
+        // Later searches follow a simulation, whose memory does not count for the planner.
+        self.memory_bytes = self.memory_bytes.or_else(|| self.peak.growth_bytes());
         self.told = (self.tell.borrow_mut())(&Message::Planned);
     }
 }

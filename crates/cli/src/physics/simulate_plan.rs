@@ -8,7 +8,8 @@ use cranny_plan::Unobserved;
 use cranny_record::{PlanFile, read_waypoints};
 use cranny_scenario::{Friction, OpenOptions, TargetPhysics};
 use cranny_sim::{
-    Disturbance, ExecutedPlan, PickPath, PlacedError, PlanContact, PlanExecution, PlanRow, Released, SimError,
+    Disturbance, ExecutedPlan, PickPath, PlacedError, PlanContact, PlanExecution, PlanRow, Released,
+    SimError, StopReason,
 };
 use cranny_solve::{TaskTrajectory, Timing};
 use cranny_task::{Segment, robot_hand};
@@ -188,9 +189,11 @@ pub fn run(arguments: &SimulatePlanArguments, output: Output) -> Result<Answer, 
 }
 
 fn page(executed: &ExecutedPlan, count: usize) -> String {
-    let (scenario, steps, new_plans) = match executed {
+    let (scenario, steps, new_plans, stopped) = match executed {
         ExecutedPlan::One { scenario, row } => return page_of(scenario, row),
-        ExecutedPlan::Several { scenario, steps, new_plans, .. } => (scenario, steps, new_plans),
+        ExecutedPlan::Several { scenario, steps, new_plans, stopped, .. } => {
+            (scenario, steps, new_plans, stopped)
+        }
     };
     let there = steps.iter().filter(|step| step.row.is_as_planned()).count();
     let anew =
@@ -204,8 +207,13 @@ fn page(executed: &ExecutedPlan, count: usize) -> String {
     for (index, step) in steps.iter().enumerate() {
         let _ = write!(page, "step {}, {}", index + 1, page_of(&step.object, &step.row));
     }
-    if steps.len() < count {
-        let _ = writeln!(page, "the remaining steps were not executed: the object was not released");
+    if let Some(stopped) = stopped {
+        let reason = match stopped {
+            StopReason::NotReleased => "the object was not released",
+            StopReason::NoPlan => "no plan was found from where the objects are",
+            StopReason::TooManyRepeats => "a step failed too often",
+        };
+        let _ = writeln!(page, "the remaining steps were not executed: {reason}");
     }
     page
 }

@@ -60,7 +60,14 @@ impl SdfJoint {
             }
             _ => None,
         };
-        Ok(Self { name: scope.name(name), frame: scope.joint_frame(name), at: element.at(), parent, child, motion })
+        Ok(Self {
+            name: scope.name(name),
+            frame: scope.joint_frame(name),
+            at: element.at(),
+            parent,
+            child,
+            motion,
+        })
     }
 }
 

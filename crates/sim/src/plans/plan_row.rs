@@ -64,9 +64,24 @@ pub enum ExecutedPlan {
         /// Number of times the remaining task was replanned, if replanning was enabled.
         #[serde(skip_serializing_if = "Option::is_none")]
         new_plans: Option<usize>,
-        /// Results up to the first pick whose object is not released although another pick follows.
+        /// Reason why the remaining picks were not executed, if there are any.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        stopped: Option<StopReason>,
+        /// Results of the executed picks.
         steps: Vec<ExecutedPick>,
     },
+}
+
+/// Reason why the remaining picks of a plan were not executed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopReason {
+    /// An object was not released.
+    NotReleased,
+    /// No plan was found from where the objects are.
+    NoPlan,
+    /// A pick failed as often as it may be repeated.
+    TooManyRepeats,
 }
 
 /// Result of one pick of a plan with several.
@@ -91,7 +106,8 @@ impl ExecutedPlan {
         let pick = |pick: &PickRun| ExecutedPick { object: pick.object.clone(), row: PlanRow::of(&pick.run) };
         let steps: Vec<ExecutedPick> = runs.iter().map(pick).collect();
         let as_planned = steps.len() == count && steps.iter().all(|pick| pick.row.is_as_planned());
-        (count > 1).then_some(Self::Several { scenario, as_planned, new_plans: None, steps })
+        let stopped = (runs.len() < count).then_some(StopReason::NotReleased);
+        (count > 1).then_some(Self::Several { scenario, as_planned, new_plans: None, stopped, steps })
     }
 
     /// Returns true if all objects are at their planned poses.

@@ -6,7 +6,7 @@ use cranny_solve::{PoseRadius, Request, Timing, solve};
 use cranny_task::{Move, Problem, Stage};
 use serde_json::Map;
 
-use crate::{ExecutedPick, ExecutedPlan, PickPath, PickRun, PlanExecution, PlanRow, SimError};
+use crate::{ExecutedPick, ExecutedPlan, PickPath, PickRun, PlanExecution, PlanRow, SimError, StopReason};
 
 /// Execution of a plan of several picks with measurements in between.
 #[derive(Clone, Debug)]
@@ -15,8 +15,8 @@ pub struct Replanned {
     pub runs: Vec<PickRun>,
     /// Number of new plans.
     pub new_plans: usize,
-    /// True if each object ends at its planned pose.
-    pub as_planned: bool,
+    /// Reason why the remaining picks were not executed; `None` if each object ends at its planned pose.
+    pub stopped: Option<StopReason>,
 }
 
 impl Replanned {
@@ -25,7 +25,8 @@ impl Replanned {
         let pick = |pick: &PickRun| ExecutedPick { object: pick.object.clone(), row: PlanRow::of(&pick.run) };
         ExecutedPlan::Several {
             scenario: scenario.to_owned(),
-            as_planned: self.as_planned,
+            as_planned: self.stopped.is_none(),
+            stopped: self.stopped,
             new_plans: Some(self.new_plans),
             steps: self.runs.iter().map(pick).collect(),
         }
@@ -75,15 +76,20 @@ impl PlanExecution<'_> {
             let pick = left.picks.remove(0);
             let here = PlanExecution { scenario: &now, hand: self.hand.clone(), ..*self };
             let Some(run) = here.run(std::slice::from_ref(&pick), &mut done)?.pop() else {
-                return Ok(Replanned { runs, new_plans, as_planned: false });
+                return Ok(Replanned { runs, new_plans, stopped: Some(StopReason::NotReleased) });
             };
             let row = PlanRow::of(&run.run);
             let motion = run.run.grasp.world_from_object * run.world_from_object.inverse();
             let (is_done, body) = (row.is_as_planned(), run.body);
             let off = row.placed;
             runs.push(run);
-            if !is_done && (row.released.is_none() && row.is_in_hand || repeats == MOST_REPEATS) {
-                return Ok(Replanned { runs, new_plans, as_planned: false });
+            let stopped = match (is_done, row.released.is_none() && row.is_in_hand) {
+                (false, true) => Some(StopReason::NotReleased),
+                (false, false) if repeats == MOST_REPEATS => Some(StopReason::TooManyRepeats),
+                _ => None,
+            };
+            if stopped.is_some() {
+                return Ok(Replanned { runs, new_plans, stopped });
             }
             now = now.with_moved(body, &motion, &pick.end)?;
             let stages = if is_done { left.after_pick() } else { left.stages.clone() };
@@ -102,7 +108,6 @@ impl PlanExecution<'_> {
             }
             request.seed = request.seed.wrapping_add(1);
             request.stages = stages.iter().map(|stage| at_home(stage, &home)).collect();
-            new_plans += 1;
             let next = match planned_anew(&now, margins, &request, observer) {
                 Ok(next) => next,
                 // An object in an unreachable location ends the execution; this is not an error.
@@ -110,11 +115,12 @@ impl PlanExecution<'_> {
                 Err(fault) => return Err(fault),
             };
             let Some(next) = next else {
-                return Ok(Replanned { runs, new_plans, as_planned: false });
+                return Ok(Replanned { runs, new_plans, stopped: Some(StopReason::NoPlan) });
             };
+            new_plans += 1;
             left = Left { stages, ..next };
         }
-        Ok(Replanned { runs, new_plans, as_planned: true })
+        Ok(Replanned { runs, new_plans, stopped: None })
     }
 }
 
