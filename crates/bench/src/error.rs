@@ -92,7 +92,7 @@ pub enum BenchError {
     Plan(#[from] cranny_plan::PlanError),
     /// Error of a simulation.
     #[error(transparent)]
-    Sim(#[from] cranny_sim::SimError),
+    Sim(Box<cranny_sim::SimError>),
     /// Error of a task.
     #[error(transparent)]
     Task(#[from] cranny_task::TaskError),
@@ -389,6 +389,12 @@ pub enum BenchError {
         /// Failure of the chart.
         reason: cranny_chart::ChartError,
     },
+}
+
+impl From<cranny_sim::SimError> for BenchError {
+    fn from(fault: cranny_sim::SimError) -> Self {
+        Self::Sim(Box::new(fault))
+    }
 }
 
 impl BenchError {

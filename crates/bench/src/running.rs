@@ -1,5 +1,6 @@
 //! Execution of trials: workers, messages, judge, replays.
 
+pub(crate) mod built_in_search;
 pub(crate) mod campaign_run;
 pub(crate) mod judge;
 pub(crate) mod opened_scenario;

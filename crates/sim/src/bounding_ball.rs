@@ -20,7 +20,7 @@ impl BoundingBall {
     pub fn of(shape: &dyn Shape) -> Option<Self> {
         let ball = shape.compute_local_bounding_sphere();
         let extent_m = ball.center.length() + ball.radius;
-        (extent_m < 10.0).then(|| Self { center: ball.center, radius_m: ball.radius + 2.0 * ROUNDING_M })
+        (extent_m < 10.0).then_some(Self { center: ball.center, radius_m: ball.radius + 2.0 * ROUNDING_M })
     }
 
     /// Packs the ball; never 0, because its radius is positive.

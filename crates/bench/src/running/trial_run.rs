@@ -1,23 +1,17 @@
-use std::cell::RefCell;
 use std::time::Duration;
 
 use cranny_file::system::PeakMemory;
 use cranny_path::{AuditSettings, Clearances, audit_task};
-use cranny_plan::{Budget, Observer, Registry, Statistics};
-use cranny_record::{PlanAttempt, PlanSource};
-use cranny_scenario::Scenario;
-use cranny_sim::{SimulatedAnswer, solve_in_physics};
-use cranny_solve::{Answer, DEFAULT_HOLD, Timing, solve};
+use cranny_plan::{Budget, Registry};
+use cranny_solve::{DEFAULT_HOLD, Timing};
 use cranny_task::{Criterion, Goal, Stage, joined};
 
 use crate::foreign::foreign_planner::{ForeignPlanner, ForeignTask};
 use crate::foreign::process_group::Leash;
+use crate::running::built_in_search::{Found, Tell};
 use crate::running::opened_scenario::{OpenedScenario, OpenedScenarios};
 use crate::running::worker_message::{Message, Request, TrialRun};
 use crate::{BenchError, PathDemand, PlannerCall, TrialOutcome, TrialRecord, running::judge};
-
-/// Function that sends a message to the campaign.
-type Tell<'a> = &'a mut dyn FnMut(&Message) -> Result<(), BenchError>;
 
 /// Runs one trial, and returns its record and the planner's own path.
 ///
@@ -100,30 +94,11 @@ pub fn run(
                 ..cranny_solve::Request::default()
             };
             peak.begin();
-            let tell = RefCell::new(tell);
-            let mut end = EndOfSearch { tell: &tell, told: Ok(()), peak, memory_bytes: None };
             let problem = aimed.as_ref().unwrap_or(&opened.problem);
-            let found = match demand.try_in_physics {
-                Some(most) => {
-                    let source = source_of(&opened.scenario, &demand);
-                    let most = usize::try_from(most).unwrap_or(usize::MAX);
-                    let asked = ((&opened.scenario, problem), (&asked, &source));
-                    // The next search has a time limit of its own.
-                    let again = |_: &PlanAttempt| drop((tell.borrow_mut())(&Message::Opened));
-                    Found::tried(solve_in_physics(asked.0, asked.1, most, &mut end, again)?)
-                }
-                None => Found::of(solve(problem, &asked, &mut end)?),
-            };
-            end.told?;
-            let outcome = TrialOutcome::without_path(found.answer.outcome);
-            let detail = found.answer.refused.as_ref().map(ToString::to_string);
-            let record = TrialRecord {
-                memory_bytes: end.memory_bytes,
-                ..TrialRecord::without_path(trial, outcome, detail, found.statistics)
-            };
-            if let Some(failure) = found.failure {
+            let found = Found::plan((&opened.scenario, problem), &asked, &demand, (tell, peak))?;
+            let record = found.record(trial);
+            if found.failure.is_some() {
                 // No plan went as planned: there is no path to judge.
-                let record = TrialRecord { outcome: TrialOutcome::GaveUp, detail: Some(failure), ..record };
                 return Ok((record, Vec::new()));
             }
             (record, found.answer.segments, found.answer.audit.filter(|_| aimed.is_none()))
@@ -151,57 +126,6 @@ pub fn run(
         record.detail = Some(format!("a path came {late_s:.3} s after the limit"));
     }
     Ok((record, path))
-}
-
-/// Answer of a built-in planner.
-struct Found {
-    answer: Answer,
-    /// Sum over all searches.
-    statistics: Statistics,
-    /// Result in physics if no plan went as planned.
-    failure: Option<String>,
-}
-
-impl Found {
-    fn of(answer: Answer) -> Self {
-        Self { statistics: answer.statistics, answer, failure: None }
-    }
-
-    fn tried(SimulatedAnswer { answer, tries, statistics }: SimulatedAnswer) -> Self {
-        let failed = tries.last().filter(|last| !last.as_planned);
-        let failure = failed.map(|last| {
-            let count = tries.len();
-            format!("none of {count} plans went as planned in physics; the last object: {}", last.outcome)
-        });
-        Self { answer, statistics, failure }
-    }
-}
-
-fn source_of(scenario: &Scenario, demand: &PathDemand) -> PlanSource {
-    PlanSource {
-        scenario: scenario.id.clone(),
-        robot: None,
-        geometry: None,
-        grasps: demand.given_grasps(),
-        margins: demand.margins,
-        task: None,
-    }
-}
-
-/// Observer that measures the memory of the first search and reports the end of each: judging has limits of its own.
-struct EndOfSearch<'a, 't> {
-    tell: &'a RefCell<Tell<'t>>,
-    told: Result<(), BenchError>,
-    peak: &'a PeakMemory,
-    memory_bytes: Option<u64>,
-}
-
-impl Observer for EndOfSearch<'_, '_> {
-    fn search_ended(&mut self) {
-        // Later searches follow a simulation, whose memory does not count for the planner.
-        self.memory_bytes = self.memory_bytes.or_else(|| self.peak.growth_bytes());
-        self.told = (self.tell.borrow_mut())(&Message::Planned);
-    }
 }
 
 fn goal_of(opened: &OpenedScenario, index: usize) -> Result<Vec<f64>, BenchError> {
