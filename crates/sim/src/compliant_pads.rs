@@ -210,8 +210,8 @@ impl<'a> CompliantPads<'a> {
         Touches { springs: touches, frames }
     }
 
-    /// Finds velocities and forces at the end of a step by Newton's method, with steps that shorten until the error falls. Begins with the
-    /// better of two guesses: nothing holds the object, or it moves with the hand.
+    /// Finds velocities and forces at the end of a step by Newton's method, with steps that shorten until the error falls.
+    /// Begins with the better of two guesses: nothing holds the object, or it moves with the hand.
     fn solve(&self, touches: &Touches, mass: &Square, guesses: [Velocities; 2], dt: f64) -> Balance {
         let free = guesses[0];
         let at = |velocities: Velocities, law: Law| {

@@ -75,8 +75,8 @@ pub(crate) fn world(physics: &Physics) -> PhysicsWorld {
     // These options save time with thousands of bodies, but cost accuracy with three.
     parameters.contact_recycling = false;
     parameters.contact_clustering = false;
-    // Penetration that is not corrected, in metres: `normalized_allowed_linear_error`.
     parameters.normalized_prediction_distance = PREDICTION_M;
+    // Penetration that is not corrected, in metres.
     parameters.normalized_allowed_linear_error = 1e-5;
     parameters.max_ccd_substeps = 0;
     world
