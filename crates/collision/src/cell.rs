@@ -70,7 +70,7 @@ impl Cell {
     /// [`CollisionError::Margin`] for a negative or infinite margin, [`CollisionError::UnknownLink`] for a bound of a link that
     /// the robot does not have.
     pub fn new(robot: Arc<Robot>, world: World, margins: Margins) -> Result<Self, CollisionError> {
-        Ok(Self::of(CellParts::new(robot, world, margins, Vec::new())?))
+        Ok(Self::of(CellParts::new(robot, world, margins)?))
     }
 
     /// Creates a cell as [`Self::new`] does, in which the body of index `target` will be grasped: the grasp margin is demanded
@@ -87,9 +87,9 @@ impl Cell {
         target: usize,
         margins: Margins,
     ) -> Result<Self, CollisionError> {
-        let mut grasp_bodies = world.supports_of(target);
-        grasp_bodies.push(target);
-        Ok(Self::of(CellParts::new(robot, world, margins, grasp_bodies)?))
+        let parts = CellParts::new(robot, world, margins)?;
+        let grasp_bodies = parts.around.grasp_bodies(target, margins);
+        Ok(Self::of(CellParts { grasp_bodies, ..parts }))
     }
 
     pub(crate) fn of(question: CellParts) -> Self {
@@ -153,7 +153,10 @@ impl Cell {
     /// [`CollisionError::Margin`] for a negative or infinite margin.
     pub fn with_margins(&self, margins: Margins) -> Result<Self, CollisionError> {
         margins.check()?;
-        Ok(Self::of(CellParts { margins, ..self.parts_of() }))
+        let parts = self.parts_of();
+        let grasp_bodies = self.grasp_body().map(|body| self.around.grasp_bodies(body, margins));
+        let grasp_bodies = grasp_bodies.unwrap_or_else(|| parts.grasp_bodies.clone());
+        Ok(Self::of(CellParts { margins, grasp_bodies, ..parts }))
     }
 
     /// Returns the robot.

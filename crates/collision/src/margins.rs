@@ -10,7 +10,7 @@ pub struct Margins {
     /// Clearance of every collision pair, in metres, ≥ 0. Default 0: only contact counts.
     pub margin_m: f64,
     /// Clearance between the hand and the grasped object or its supports, in metres, ≥ 0, instead of `margin_m`. Default 0:
-    /// fingers must come close to the object.
+    /// fingers must come close to the object. If greater than `margin_m`, also between the hand and bodies put down before.
     pub grasp_margin_m: f64,
     /// Additional clearance, for the uncertain position of the object, between the object that is held or to be grasped and all
     /// that it may not touch, in metres, ≥ 0. Default 0.

@@ -7,8 +7,9 @@
 use cranny_grasp::{LEAST_ARM_M, LoadedPoint, limit_factor};
 use cranny_spatial::nalgebra::Vector3;
 use rapier3d_f64::math::Vector;
+use rapier3d_f64::parry::query;
 use rapier3d_f64::prelude::{
-    ContactManifold, ContactModificationContext, PairFilterContext, PhysicsHooks, RigidBodyHandle,
+    Collider, ContactManifold, ContactModificationContext, PairFilterContext, PhysicsHooks, RigidBodyHandle,
     RigidBodySet, SolverContact, SolverFlags,
 };
 
@@ -21,8 +22,12 @@ const PATCH_RADIUS_M: f64 = 0.00314;
 /// Distance below which two corners are merged, in metres.
 const SAME_M: f64 = 1e-5;
 
-/// Replaces the near points of two faces by the patch on which they bear load.
-pub(crate) struct ContactPatch;
+/// Replaces the near points of two faces by the patch on which they bear load, and drops those of two bodies that pass each
+/// other.
+pub(crate) struct ContactPatch {
+    /// Duration of a step, in seconds.
+    pub step_s: f64,
+}
 
 /// Corner of the polygon in which two faces meet, or of the patch.
 #[derive(Clone, Copy)]
@@ -47,6 +52,7 @@ impl PhysicsHooks for ContactPatch {
             [context.collider1, context.collider2].map(|collider| *context.colliders[collider].position());
         let moving =
             Moving { bodies: context.bodies, first: context.rigid_body1, second: context.rigid_body2 };
+        let colliders = [context.collider1, context.collider2].map(|collider| &context.colliders[collider]);
         let Some(rigid) = context.rigid_mut() else { return };
         let mut corners: Vec<Corner> = Vec::new();
         for (index, point) in (0..).zip(&rigid.manifold.points) {
@@ -57,8 +63,14 @@ impl PhysicsHooks for ContactPatch {
                 corners.push(corner);
             }
         }
-        // Without contact, the prediction of the engine is sufficient.
-        let (Some(patch), Some(&template)) = (patch(&corners), rigid.solver_contacts.first()) else { return };
+        let (Some(patch), Some(&template)) = (patch(&corners), rigid.solver_contacts.first()) else {
+            // The engine predicts a contact from the speed along the normal alone: a finger that passes an edge within 2 mm
+            // would push it away.
+            if !moving.will_meet(&colliders, rigid.manifold, self.step_s) {
+                rigid.solver_contacts.clear();
+            }
+            return;
+        };
         *rigid.friction *= share_of_limits(&patch, rigid.manifold, *rigid.normal, &moving);
         rigid.solver_contacts.clear();
         rigid.solver_contacts.extend(patch.iter().map(|corner| corner.contact(template)));
@@ -142,6 +154,33 @@ struct Moving<'a> {
 }
 
 impl Moving<'_> {
+    /// Returns true if two colliders overlap at the end of the next step. Their shapes are examined only if points of the contact
+    /// approach each other that far.
+    fn will_meet(&self, colliders: &[&Collider; 2], manifold: &ContactManifold, step_s: f64) -> bool {
+        let next = |(body, collider): (Option<RigidBodyHandle>, &&Collider)| {
+            let body = body.map(|body| &self.bodies[body]);
+            let Some((body, own)) = body.zip(collider.position_wrt_parent()) else {
+                return *collider.position();
+            };
+            let is_prescribed = body.is_kinematic();
+            let place = if is_prescribed {
+                *body.next_position()
+            } else {
+                body.predict_position_using_velocity(step_s)
+            };
+            place * *own
+        };
+        let [first, second] = [(self.first, &colliders[0]), (self.second, &colliders[1])].map(next);
+        let along = first.rotation * manifold.local_n1;
+        let may_meet = manifold.points.iter().any(|point| {
+            let apart = second.transform_point(point.local_p2) - first.transform_point(point.local_p1);
+            apart.dot(along) < 0.0
+        });
+        may_meet
+            && query::intersection_test(&first, colliders[0].shape(), &second, colliders[1].shape())
+                .is_ok_and(|meeting| meeting.intersecting)
+    }
+
     /// Returns the speed at which the first body slides along the second at a point, in m/s, and turns on it about `normal`, in
     /// rad/s.
     fn slip(&self, at: Vector, normal: Vector) -> (f64, f64) {

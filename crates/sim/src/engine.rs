@@ -87,7 +87,8 @@ pub(crate) fn world(physics: &Physics) -> PhysicsWorld {
 /// `friction_tests.rs`).
 pub(crate) fn step(world: &mut PhysicsWorld, are_faces: bool) {
     world.integration_parameters.num_internal_stabilization_iterations = if are_faces { 4 } else { 1 };
-    world.step_with_events(&ContactPatch, &());
+    let step_s = world.integration_parameters.dt;
+    world.step_with_events(&ContactPatch { step_s }, &());
 }
 
 /// Creates colliders without mass; the greater of two friction coefficients in contact applies.

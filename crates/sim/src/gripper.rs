@@ -25,6 +25,8 @@ pub(crate) struct HandModel {
 #[derive(Clone, Debug)]
 pub(crate) struct FingerModel {
     pub pieces: Vec<Piece>,
+    /// Pieces behind the springs of a pad, which meet the object instead; none for a rigid finger.
+    pub behind_springs: Vec<Piece>,
     /// Closing direction, a unit vector.
     pub axis: Vector,
     pub stroke_m: f64,
@@ -77,23 +79,24 @@ impl HandModel {
                 center: Point::from(sum / finger.parts.len() as f64),
                 colliders: colliders(&pieces)?,
                 pieces,
+                behind_springs: Vec::new(),
             });
+        }
+        for (finger, face_m) in fingers.iter_mut().zip(pads.iter().flat_map(|pads| pads.faces_m)) {
+            finger.behind_springs = finger.behind(face_m, DEEPEST_M);
         }
         if let Some(pads) = pads.filter(|_| hand.pads.is_some()) {
             for (finger, face_m) in fingers.iter_mut().zip(pads.faces_m) {
                 // The finger behind a pad, in particular an edge of an inclined finger, does not bear load.
-                let back = Pose::translation(0.0, face_m.signum() * BEHIND_M, 0.0);
-                for piece in &mut finger.pieces {
-                    piece.body_from_piece = back * piece.body_from_piece;
-                }
+                finger.pieces = finger.behind(face_m, BEHIND_M);
                 finger.pieces.push(pad(&pads, face_m));
             }
         }
-        for (finger, face_m) in fingers.iter_mut().zip(pads.iter().flat_map(|pads| pads.faces_m)) {
+        for finger in fingers.iter_mut().filter(|_| pads.is_some()) {
             // The springs of the pads meet the object, and the fingers only what is behind these.
             let around = engine::colliders(&hand.name, &finger.pieces, 0.0, engine::FRONT)?;
-            let behind = engine::colliders(&hand.name, &finger.behind_pad(face_m), 0.0, engine::BACK)?;
-            finger.colliders = [around, behind].concat();
+            let back = engine::colliders(&hand.name, &finger.behind_springs, 0.0, engine::BACK)?;
+            finger.colliders = [around, back].concat();
         }
         Ok(Self { palm_colliders: colliders(&palm)?, palm, fingers, closing_force_n: force_n, pads })
     }
@@ -109,18 +112,14 @@ fn pad(pads: &Pads, face_m: f64) -> Piece {
 
 /// Half the thickness of a pad, in metres.
 const HALF_PAD_M: f64 = 5e-4;
-/// Distance of a finger behind the face of its pad for the surroundings, in metres. For the object it is [`DEEPEST_M`] more.
+/// Distance of a finger behind the face of its pad for the surroundings, in metres; for the object it is [`DEEPEST_M`].
 const BEHIND_M: f64 = 3e-4;
 
 impl FingerModel {
-    /// Pieces behind the springs of a pad with its face at `face_m` along y, in metres.
-    pub fn behind_pad(&self, face_m: f64) -> Vec<Piece> {
-        let back = Pose::translation(0.0, face_m.signum() * DEEPEST_M, 0.0);
-        let moved = |piece: &Piece| Piece {
-            body_from_piece: back * piece.body_from_piece,
-            shape: piece.shape.clone(),
-        };
-        self.pieces.iter().map(moved).collect()
+    /// Pieces with their fronts moved to `depth_m` behind a face at `face_m` along y, by at most that; both in metres.
+    fn behind(&self, face_m: f64, depth_m: f64) -> Vec<Piece> {
+        let outward = Vector::y() * face_m.signum();
+        self.pieces.iter().map(|piece| piece.thinned(&outward, face_m.abs() + depth_m, depth_m)).collect()
     }
 
     fn joint(&self) -> PrismaticJoint {

@@ -35,7 +35,7 @@ pub use crate::piece::{Piece, PieceShape};
 pub use crate::plans::plan_execution::{PickPath, PickRun, PlanExecution};
 pub use crate::plans::plan_experiment::PlanExperiment;
 pub use crate::plans::plan_row::{ExecutedPick, ExecutedPlan, PlanRow, Released, StopReason};
-pub use crate::plans::plan_run::{PlacedError, PlanContact, PlanOutcome, PlanRun};
+pub use crate::plans::plan_run::{ContactPhase, PlacedError, PlanContact, PlanOutcome, PlanRun};
 pub use crate::plans::plan_test::PlanTest;
 pub use crate::plans::replanning::Replanned;
 pub use crate::plans::simulated_answer::{SimulatedAnswer, solve_in_physics};

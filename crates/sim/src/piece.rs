@@ -1,6 +1,7 @@
 use cranny_collision::Body;
 use cranny_shape::{CoarseHull, ConvexParts, DecompositionSettings, Outline, Solid, TriangleSoup};
-use cranny_spatial::Pose;
+use cranny_spatial::nalgebra::Translation3 as Translation;
+use cranny_spatial::{Pose, Vector};
 
 use crate::SimError;
 
@@ -69,6 +70,40 @@ impl Piece {
             Self { body_from_piece: *body_from_hulls, shape: PieceShape::Hull(coarse.unwrap_or(hull)) }
         };
         hulls.into_iter().map(piece).collect()
+    }
+
+    /// Returns the piece with its front moved along `outward`, a unit vector of the body, to `least_m` from the origin, but by at
+    /// most `most_m` and nine tenths of its thickness. Its back stays. Lengths in metres.
+    pub(crate) fn thinned(&self, outward: &Vector, least_m: f64, most_m: f64) -> Self {
+        let own = self.body_from_piece.rotation.inverse() * outward;
+        let middle_m = outward.dot(&self.body_from_piece.translation.vector);
+        let surface = self.shape.surface().unwrap_or_default();
+        let along = surface.vertices.iter().map(|vertex| middle_m + own.dot(&vertex.coords));
+        let (front_m, back_m) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(front_m, back_m), at_m| {
+            (front_m.min(at_m), back_m.max(at_m))
+        });
+        let depth_m = (least_m - front_m).clamp(0.0, most_m.min(0.9 * (back_m - front_m).max(0.0)));
+        if let PieceShape::Cuboid(half_m) = self.shape {
+            let axis = own.iamax();
+            let mut half_m = half_m;
+            let depth_m = depth_m.min(1.8 * half_m[axis]);
+            half_m[axis] -= 0.5 * depth_m;
+            let mut shift_m = Vector::zeros();
+            shift_m[axis] = 0.5 * depth_m * own[axis].signum();
+            let body_from_piece = self.body_from_piece * Translation::from(shift_m);
+            return Self { body_from_piece, shape: PieceShape::Cuboid(half_m) };
+        }
+        if depth_m <= 0.0 {
+            return self.clone();
+        }
+        let share = depth_m / (back_m - front_m);
+        let thinner = surface.vertices.iter().map(|vertex| {
+            let behind_m = back_m - middle_m - own.dot(&vertex.coords);
+            vertex + own * (share * behind_m)
+        });
+        let vertices = thinner.collect();
+        let hull = TriangleSoup { vertices, ..surface };
+        Self::of_hulls(&self.body_from_piece, [hull]).remove(0)
     }
 
     /// Surfaces of pieces for display, in the frame of the body.

@@ -9,7 +9,7 @@ use cranny_robot::{IkSearchSettings, Robot, RobotOptions, solve_restarts};
 use cranny_scenario::{ObjectSettings, ObjectType, panda_hand};
 use cranny_shape::{Solid, Surface};
 use cranny_sim::{
-    Disturbance, GraspOutcome, GraspTest, Physics, PlacedError, PlanOutcome, PlanRun, PlanTest,
+    ContactPhase, Disturbance, GraspOutcome, GraspTest, Physics, PlacedError, PlanOutcome, PlanRun, PlanTest,
 };
 use cranny_solve::TaskTrajectory;
 use cranny_spatial::{Pose, Rotation, Stream, Vector};
@@ -122,7 +122,7 @@ fn what_is_too_smooth_stays_behind() {
 #[test]
 fn a_plan_into_the_table_is_seen_to_touch_it() {
     let run = run(&PANDA, test(0.2, 0.5), &way(0.015));
-    let before = run.contacts.iter().filter(|contact| !contact.is_lifting);
+    let before = run.contacts.iter().filter(|contact| contact.phase == ContactPhase::Reach);
     let touched: Vec<(&str, &str)> = before.map(|contact| (&contact.link[..], &contact.body[..])).collect();
     assert_eq!(touched, [("hand", "table")]);
 }

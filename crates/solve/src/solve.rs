@@ -31,7 +31,8 @@ use crate::{
 /// 5. A valid path is timed, if requested.
 /// 6. Tolerated deviations are computed, if requested.
 /// 7. The length of every path of the task is bounded from below, if requested ([`least_length`]).
-/// 8. If a path turns a joint more than half a turn beyond need ([`Robot::needless_turn`]), other seeds are tried first.
+/// 8. If a path turns a joint more than half a turn beyond need ([`Robot::needless_turn`]), or the held object would slip along
+///    it at any speed, other seeds are tried first.
 ///
 /// A search that ends without a path although a proof shows that none exists ([`NoGrasp::BaseEnclosed`]) has the outcome of that proof.
 /// The absence of a path is an answer ([`Outcome`]), not an error.
@@ -59,7 +60,7 @@ pub fn solve_with(
 ) -> Result<Answer, SolveError> {
     request.check(problem)?;
     let begin = Instant::now();
-    let mut answer = solve_once(problem, request, (carrier, observer))?;
+    let (mut answer, mut slips) = solve_once(problem, request, (carrier, observer))?;
     // 8.
     /// Number of other seeds; more seeds rarely help.
     const OTHER_SEEDS: u64 = 8;
@@ -71,18 +72,18 @@ pub fn solve_with(
     let is_left = request.keep_path || request.optimise.is_some() || !answer.is_solved();
     let mut turn = if is_left { 0.0 } else { needless_turn(problem.robot(), &answer) };
     for other in 1..=OTHER_SEEDS {
-        if turn <= PI || observer.should_stop() {
+        if (turn <= PI && !slips) || observer.should_stop() {
             break;
         }
         let most = PATIENCE.saturating_mul(answer.statistics.iterations).max(LEAST_ITERATIONS);
         let budget = Budget { iterations: most, time: request.budget.time.saturating_sub(begin.elapsed()) };
         let again = Request { budget, seed: other_seed(request.seed, other), ..request.clone() };
-        let found = solve_once(problem, &again, (carrier, &mut Unobserved))?;
+        let (found, _) = solve_once(problem, &again, (carrier, &mut Unobserved))?;
         let found_turn = needless_turn(problem.robot(), &found);
-        if found.is_solved() && found_turn < turn {
+        if found.is_solved() && (slips || found_turn < turn) {
             let Answer { budget, seed, statistics, .. } = answer;
             answer = Answer { budget, seed, statistics, ..found };
-            turn = found_turn;
+            (turn, slips) = (found_turn, false);
         }
     }
     Ok(answer)
@@ -94,18 +95,19 @@ fn needless_turn(robot: &Robot, answer: &Answer) -> f64 {
     turns.fold(0.0, f64::max)
 }
 
-/// Performs 1 to 7 of [`solve`].
+/// Performs 1 to 7 of [`solve`]. Also returns true if the held object would slip along each path found.
 fn solve_once(
     problem: &Problem,
     request: &Request,
     (carrier, observer): (Option<&Arc<Carrier>>, &mut dyn Observer),
-) -> Result<Answer, SolveError> {
+) -> Result<(Answer, bool), SolveError> {
     let (asked, numbers) = request.asked(problem)?;
-    let answer = solve_asked(&asked, request, (problem, carrier, observer))?;
-    Ok(match (numbers, problem.grasps()) {
+    let (answer, slips) = solve_asked(&asked, request, (problem, carrier, observer))?;
+    let answer = match (numbers, problem.grasps()) {
         (Some(numbers), Some(grasps)) => answer.with_grasp_numbers(&numbers, grasps.len()),
         _ => answer,
-    })
+    };
+    Ok((answer, slips))
 }
 
 /// Performs 1 to 7 of [`solve`] for `problem`, which has only the goal grasps of `whole`, the original problem.
@@ -113,7 +115,7 @@ fn solve_asked(
     problem: &Problem,
     request: &Request,
     (whole, carrier, observer): (&Problem, Option<&Arc<Carrier>>, &mut dyn Observer),
-) -> Result<Answer, SolveError> {
+) -> Result<(Answer, bool), SolveError> {
     let stages = request.stages_of(problem);
     let first = request.first_problem(problem)?;
     let planner = request.planner_for(&first)?;
@@ -185,7 +187,7 @@ fn solve_asked(
     let (robustness, least_length) = rayon::join(robustness, least);
     let limits = request.timing.map(|timing| timing.limits(problem.robot()));
     let untimed = limits.and_then(Result::err).map(|fault| fault.to_string());
-    Ok(Answer {
+    let answer = Answer {
         planner: planner.name().to_owned(),
         settings: planner.settings(),
         criterion: problem.criterion(),
@@ -208,7 +210,7 @@ fn solve_asked(
         tool,
         hold_demanded: request.hold.filter(|_| !request.stages.is_empty()),
         hold: hold.filter(|_| holds),
-        shortening,
+        shortening: shortening.filter(|_| is_firm),
         optimisation,
         statistics,
         failures,
@@ -216,7 +218,8 @@ fn solve_asked(
         no_grasp,
         refused,
         not_checked,
-    })
+    };
+    Ok((answer, !is_firm))
 }
 
 /// Returns the outcome that a proof gives to a search without a path.

@@ -8,8 +8,8 @@ use cranny_plan::Unobserved;
 use cranny_record::{PlanFile, read_waypoints};
 use cranny_scenario::{Friction, OpenOptions, TargetPhysics};
 use cranny_sim::{
-    Disturbance, ExecutedPlan, PickPath, PlacedError, PlanContact, PlanExecution, PlanRow, Released,
-    SimError, StopReason,
+    ContactPhase, Disturbance, ExecutedPlan, PickPath, PlacedError, PlanContact, PlanExecution, PlanRow,
+    Released, SimError, StopReason,
 };
 use cranny_solve::{TaskTrajectory, Timing};
 use cranny_task::{Segment, robot_hand};
@@ -229,19 +229,26 @@ fn page_of(name: &str, row: &PlanRow) -> String {
     }
     page.push('\n');
     for contact in &row.contacts {
-        let phase = if contact.is_lifting { "after closing" } else { "before closing" };
-        let PlanContact { time_s, link, body, depth_m, .. } = contact;
+        let PlanContact { time_s, link, body, depth_m, phase } = contact;
+        let phase = match phase {
+            ContactPhase::Reach => "before closing",
+            ContactPhase::Hold => "after closing",
+            ContactPhase::Release => "after opening",
+        };
         let depth = millimetres(*depth_m);
         let _ = writeln!(page, "  {phase}: {link} touched {body} at {time_s:.2} s, {depth} deep");
     }
-    if !row.contacts.iter().any(|contact| !contact.is_lifting) {
+    if !row.contacts.iter().any(|contact| contact.phase == ContactPhase::Reach) {
         page.push_str("  nothing was touched before the hand closed\n");
     }
     let pushed = millimetres(row.pushed_m);
     let rose = match &row.released {
         // The place of an object that was put down is below.
         Some(_) => String::new(),
-        None => format!(", and is {} higher at the end", millimetres(row.rose_m)),
+        None => {
+            let side = if row.rose_m < 0.0 { "lower" } else { "higher" };
+            format!(", and is {} {side} at the end", millimetres(row.rose_m.abs()))
+        }
     };
     let _ = writeln!(page, "  the object was pushed by {pushed} before{rose}");
     let end = if row.released.is_some() { "until it was released" } else { "to the end" };

@@ -25,17 +25,12 @@ pub(crate) struct CellParts {
 }
 
 impl CellParts {
-    /// Creates the constituents for an empty hand; the object to be grasped and its supports are given by body index.
+    /// Creates the constituents for an empty hand with nothing to be grasped.
     ///
     /// # Errors
     /// [`CollisionError::Margin`] for a negative or infinite margin, [`CollisionError::UnknownLink`] for a bound of a link that
     /// the robot does not have, [`CollisionError::FingerBound`] for one of a finger, which moves by itself.
-    pub fn new(
-        robot: Arc<Robot>,
-        world: World,
-        margins: Margins,
-        grasp_bodies: Vec<usize>,
-    ) -> Result<Self, CollisionError> {
+    pub fn new(robot: Arc<Robot>, world: World, margins: Margins) -> Result<Self, CollisionError> {
         margins.check()?;
         world.tool_bounds().iter().try_for_each(|bound| bound.check_link(&robot))?;
         Ok(Self {
@@ -43,7 +38,7 @@ impl CellParts {
             robot,
             around: Arc::new(Surroundings::new(world)),
             margins,
-            grasp_bodies: grasp_bodies.into(),
+            grasp_bodies: Arc::default(),
             asked_for: Arc::default(),
             held: None,
             further_bounds: Arc::default(),
@@ -58,6 +53,8 @@ pub(crate) struct Surroundings {
     pub parts: Vec<(usize, Part)>,
     pub lanes: Arc<[LanePart]>,
     pub tree: PartTree,
+    /// Bodies that were put down somewhere else, by index.
+    put_down: Vec<usize>,
 }
 
 impl Surroundings {
@@ -68,10 +65,21 @@ impl Surroundings {
         let parts: Vec<(usize, Part)> = world.bodies().iter().enumerate().flat_map(of_body).collect();
         let tree = PartTree::new(parts.iter().map(|(_, part)| part));
         let lanes = parts.iter().map(|(_, part)| LanePart::of(part)).collect();
-        Self { world, parts, lanes, tree }
+        Self { world, parts, lanes, tree, put_down: Vec::new() }
     }
 
-    /// Returns these surroundings with a body moved by `to`, a motion in the planning frame.
+    /// Returns the bodies to which the grasp margin of the hand applies when it grasps or releases `body`, by index: its
+    /// supports; the bodies put down before, which a touch would topple, unless all must be farther away; and last the body.
+    pub fn grasp_bodies(&self, body: usize, margins: Margins) -> Arc<[usize]> {
+        let mut bodies = self.world.supports_of(body);
+        if margins.grasp_margin_m > margins.margin_m {
+            bodies.extend(self.put_down.iter().filter(|put_down| **put_down != body));
+        }
+        bodies.push(body);
+        bodies.into()
+    }
+
+    /// Returns these surroundings with a body put down: moved by `to`, a motion in the planning frame.
     ///
     /// # Errors
     /// As [`World::new`].
@@ -91,7 +99,9 @@ impl Surroundings {
             }
         }
         let tree = PartTree::new(parts.iter().map(|(_, part)| part));
-        Ok(Self { world: self.world.with_bodies(bodies)?, parts, lanes: lanes.into(), tree })
+        let mut put_down = self.put_down.clone();
+        put_down.push(moved);
+        Ok(Self { world: self.world.with_bodies(bodies)?, parts, lanes: lanes.into(), tree, put_down })
     }
 
     /// Returns these surroundings with further parts of its bodies, numbered after all others.
@@ -100,6 +110,6 @@ impl Surroundings {
         let lanes = lanes.collect();
         let parts = [&self.parts[..], further].concat();
         let tree = PartTree::new(parts.iter().map(|(_, part)| part));
-        Self { world: self.world.clone(), parts, lanes, tree }
+        Self { world: self.world.clone(), parts, lanes, tree, put_down: self.put_down.clone() }
     }
 }

@@ -10,7 +10,8 @@ use crate::{CollisionError, Margins};
 
 impl Cell {
     /// Returns this cell, with an open and empty hand, after moving a body of the world so that its first solid is at a pose in
-    /// the planning frame. The grasp margin of the hand then applies to the body and its new supports.
+    /// the planning frame. The grasp margin of the hand then applies to the body, to its new supports, and to all bodies moved so
+    /// before.
     ///
     /// # Errors
     /// [`CollisionError::Pose`] for an invalid pose.
@@ -21,13 +22,8 @@ impl Cell {
         assert!(self.held.is_none(), "what is held is not put down by that");
         let moved = moved_to(&self.world().bodies()[body], world_from_first);
         let around = self.around.with_body_moved(body, &moved)?;
-        let mut grasp_bodies = around.world.supports_of(body);
-        grasp_bodies.push(body);
-        Ok(Self::of(CellParts {
-            around: Arc::new(around),
-            grasp_bodies: grasp_bodies.into(),
-            ..self.parts_of()
-        }))
+        let grasp_bodies = around.grasp_bodies(body, self.margins);
+        Ok(Self::of(CellParts { around: Arc::new(around), grasp_bodies, ..self.parts_of() }))
     }
 
     /// Returns the index of the body to be grasped, if there is one.
@@ -47,9 +43,8 @@ impl Cell {
         if self.grasp_body() == Some(body) && self.margins == margins {
             return Ok(None);
         }
-        let mut grasp_bodies = self.world().supports_of(body);
-        grasp_bodies.push(body);
-        Ok(Some(Self::of(CellParts { grasp_bodies: grasp_bodies.into(), margins, ..self.parts_of() })))
+        let grasp_bodies = self.around.grasp_bodies(body, margins);
+        Ok(Some(Self::of(CellParts { grasp_bodies, margins, ..self.parts_of() })))
     }
 
     /// Returns the distance of the hand from a body of the world at `q` (m, rad; one per joint), in metres, as a certified

@@ -149,8 +149,8 @@ impl Mjcf {
     /// The pad of a finger: springs of spherical tips, and the finger behind them.
     fn pad(&mut self, test: &GraspTest, pads: &Pads, finger: usize) {
         let face_m = pads.faces_m[finger];
-        for piece in test.hand.fingers[finger].behind_pad(face_m) {
-            self.geom(8, "back", &piece);
+        for piece in &test.hand.fingers[finger].behind_springs {
+            self.geom(8, "back", piece);
         }
         let timestep_s = test.physics.step_s / mujoco_steps(&test.physics) as f64;
         let stiffness = spring_stiffness(pads);

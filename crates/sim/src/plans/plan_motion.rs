@@ -78,6 +78,11 @@ impl<'a> PlanMotion<'a> {
         self.off.map(|off| self.opening_s + off.duration_s() + WATCHED_S)
     }
 
+    /// Returns true if the hand is open at a time after it begins to open, in seconds.
+    pub fn has_opened(&self, time_s: f64) -> bool {
+        time_s >= self.opening_s
+    }
+
     /// Returns the configuration (m, rad; one per joint) at a time after the hand begins to open, in seconds.
     pub fn left(&self, time_s: f64) -> Vec<f64> {
         match self.off {

@@ -9,7 +9,8 @@ use crate::{GraspOutcome, GraspRun};
 pub struct PlanRun {
     /// Duration of the motion to the grasp, in seconds.
     pub reach_s: f64,
-    /// Contacts of the arm or the hand before the closing, and with the surroundings after it; each pair once.
+    /// Contacts of the arm or the hand with the surroundings, and with the object except while the hand holds or releases it;
+    /// each pair once in each phase.
     pub contacts: Vec<PlanContact>,
     /// Displacement of the object before the closing, in metres.
     pub pushed_m: f64,
@@ -106,6 +107,18 @@ pub struct PlanContact {
     pub body: String,
     /// Maximum penetration depth, in metres.
     pub depth_m: f64,
-    /// True if the hand had closed.
-    pub is_lifting: bool,
+    /// Phase of the plan in which the two touched.
+    pub phase: ContactPhase,
+}
+
+/// Phase of an executed plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContactPhase {
+    /// From the start until the hand closes.
+    Reach,
+    /// From the closing until the hand is open again, or to the end.
+    Hold,
+    /// From the open hand at the set-down to the end.
+    Release,
 }

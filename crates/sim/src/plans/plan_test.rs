@@ -12,7 +12,7 @@ use crate::grasping::grasp_trial::{GraspTrial, Move};
 use crate::gripper::Gripper;
 use crate::plans::arm::{ArmModel, see_all_contacts};
 use crate::plans::plan_motion::PlanMotion;
-use crate::plans::plan_run::{PlacedError, PlanContact, PlanRun};
+use crate::plans::plan_run::{ContactPhase, PlacedError, PlanContact, PlanRun};
 use crate::{Disturbance, GraspTest, Piece, RecordedBody, SimError, engine};
 
 /// Robot that executes a plan: its joints follow the timed path, the hand closes with its closing force, and the arm moves on
@@ -62,12 +62,16 @@ impl PlanTest {
         let pushed_m = (executed.trial.world_from_object() * center - world_from_resting * center).norm();
         let Execution { trial, hand, contacts, began_steps, .. } = executed;
         let contacts = RefCell::new(contacts);
-        let aim = |trial: &mut GraspTrial<'_>, q: &[f64]| {
+        let aim = |trial: &mut GraspTrial<'_>, q: &[f64], phase: ContactPhase| {
             hand.aim(self, q, trial);
-            touched(self, trial, &hand.arm, began_steps, true, &mut contacts.borrow_mut());
+            touched(self, trial, &hand.arm, began_steps, phase, &mut contacts.borrow_mut());
         };
-        let mut carry = |trial: &mut GraspTrial<'_>, time_s: f64| aim(trial, &motion.held(time_s));
-        let mut leave = |trial: &mut GraspTrial<'_>, time_s: f64| aim(trial, &motion.left(time_s));
+        let mut carry =
+            |trial: &mut GraspTrial<'_>, time_s: f64| aim(trial, &motion.held(time_s), ContactPhase::Hold);
+        let mut leave = |trial: &mut GraspTrial<'_>, time_s: f64| {
+            let phase = if motion.has_opened(time_s) { ContactPhase::Release } else { ContactPhase::Hold };
+            aim(trial, &motion.left(time_s), phase);
+        };
         let held = Move { duration_s: motion.held_s(), advance: &mut carry };
         let leaving = motion.left_s().map(|duration_s| Move { duration_s, advance: &mut leave });
         let grasp = trial.grasp(held, leaving);
@@ -148,18 +152,25 @@ impl<'a> Execution<'a> {
             let sample = path.sample(path.duration_s() * f64::from(step) / f64::from(steps));
             self.hand.aim(self.test, &sample.position, &mut self.trial);
             self.trial.step_open();
-            touched(self.test, &self.trial, &self.hand.arm, self.began_steps, false, &mut self.contacts);
+            touched(
+                self.test,
+                &self.trial,
+                &self.hand.arm,
+                self.began_steps,
+                ContactPhase::Reach,
+                &mut self.contacts,
+            );
         }
     }
 }
 
-/// Adds the current contacts of arm and hand with the surroundings, before the closing also with the object.
+/// Adds the current contacts of arm and hand with the surroundings, and with the object unless the hand holds it.
 fn touched(
     plan: &PlanTest,
     trial: &GraspTrial<'_>,
     arm: &[RigidBodyHandle],
     began_steps: u32,
-    is_lifting: bool,
+    phase: ContactPhase,
     contacts: &mut Vec<PlanContact>,
 ) {
     let world = &trial.world;
@@ -175,21 +186,21 @@ fn touched(
                 let is_object = world.colliders[other].parent() == Some(trial.object);
                 // An object that is pushed away need not overlap at the end of a step.
                 let is_touched = depth_m > 0.0 || engine::normal_impulse(pair).norm() > 0.0;
-                if !is_touched || (is_object && is_lifting) {
+                if !is_touched || (is_object && phase == ContactPhase::Hold) {
                     continue;
                 }
                 let depth_m = depth_m.max(0.0);
                 let body = plan.name_of(other, is_object, trial);
-                let known = contacts.iter_mut().find(|contact| {
-                    contact.link == link && contact.body == body && contact.is_lifting == is_lifting
-                });
+                let known = contacts
+                    .iter_mut()
+                    .find(|contact| contact.link == link && contact.body == body && contact.phase == phase);
                 if let Some(known) = known {
                     known.depth_m = known.depth_m.max(depth_m);
                     continue;
                 }
                 let time_s = f64::from(trial.steps() - began_steps) * plan.test.physics.step_s;
                 let (link, body) = (link.to_owned(), body.to_owned());
-                contacts.push(PlanContact { time_s, link, body, depth_m, is_lifting });
+                contacts.push(PlanContact { time_s, link, body, depth_m, phase });
             }
         }
     }
