@@ -644,7 +644,7 @@ def check(lines):
             count, end = check_path(lines, scene)
             paths, pieces = paths + 1, pieces + count
         found += [f"scene {scene.name} {scene.hash}", f"paths {paths}, of {pieces} pieces"]
-        found += [f"pairs {len(scene.pairs)}, at least {scene.margin_word[0]} m apart", *scene.rules, *changes]
+        found += [f"pairs {len(scene.pairs)}, at least {scene.margin_word[0]} m apart but for `keep`", *scene.rules, *changes]
         before = scene
     lines.read("end", 0)
     unless(lines.at + 1 == len(lines.lines), "a line after the end")

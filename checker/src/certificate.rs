@@ -40,7 +40,7 @@ fn statement(lines: &mut Lines<'_>) -> Checked<Vec<String>> {
         }
         found.push(format!("scene {} {}", scene.name, scene.hash));
         found.push(format!("paths {paths}, of {pieces} pieces"));
-        found.push(format!("pairs {}, at least {} m apart", scene.pairs.len(), scene.margin));
+        found.push(format!("pairs {}, at least {} m apart but for `keep`", scene.pairs.len(), scene.margin));
         found.extend(scene.rules.iter().cloned().chain(changes));
         before = Some((scene, end));
     }

@@ -43,6 +43,12 @@ pub fn share(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "give a number greater than 0, at most 1".to_owned())
 }
 
+/// Parses a share from 0 to 1.
+pub fn share_or_none(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| (0.0..=1.0).contains(number));
+    number.ok_or_else(|| "give a number from 0 to 1".to_owned())
+}
+
 /// Parses a length in millimetres, at least 0, and returns metres.
 pub fn millimetres(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::arguments::VerifyArguments;
 use crate::planning::task::Demand;
-use crate::text::at_least_mm;
+use crate::text::{at_least_mm, at_most_degrees};
 
 /// Files that a plan names instead of the scenario's own, on the authority of the plan alone. Flags override them.
 #[derive(Default, Serialize)]
@@ -61,15 +61,16 @@ pub fn demanded_margins(margins: &Margins) -> Vec<String> {
         [("margin", margin_m), ("grasp margin", grasp_margin_m), ("object margin", object_margin_m)];
     let margins = margins.into_iter().filter(|(_, margin_m)| *margin_m > 0.0);
     let margins = margins.map(|(name, margin_m)| format!("{name} {}", at_least_mm(margin_m)));
-    let tilt = tilt_rad.map(|tilt_rad| format!("upright within {:.1}°", tilt_rad.to_degrees()));
+    let tilt = tilt_rad.map(|tilt_rad| format!("upright within {}", at_most_degrees(tilt_rad)));
     margins.chain(tilt).collect()
 }
 
 /// Returns the lines on everything in a plan file other than its path.
 pub fn statement_lines(judgement: &Judgement) -> String {
-    let Judgement { demanded: Demanded { margins, task }, .. } = judgement;
+    let Judgement { demanded: Demanded { margins, task, hold }, .. } = judgement;
     let stages = task.iter().map(ToString::to_string);
-    let demanded: Vec<String> = demanded_margins(margins).into_iter().chain(stages).collect();
+    let hold = hold.map(|factor| format!("a hold by a factor of {factor}"));
+    let demanded: Vec<String> = demanded_margins(margins).into_iter().chain(stages).chain(hold).collect();
     let mut lines = String::new();
     for statement in &judgement.differs {
         let _ = writeln!(lines, "  differs     {statement}");

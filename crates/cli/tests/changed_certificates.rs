@@ -121,7 +121,7 @@ fn states_its_scene(text: &str, stated: &[String]) {
     assert_eq!(stated.len(), 3 + rules.count(), "{stated:?}");
     let margin = scene.lines().find_map(|line| line.strip_prefix("margin ")).expect("a margin");
     let margin: f64 = margin.parse().expect("a number");
-    assert!(stated[2].ends_with(&format!("at least {margin} m apart")), "{stated:?}");
+    assert!(stated[2].ends_with(&format!("at least {margin} m apart but for `keep`")), "{stated:?}");
 }
 
 /// Returns true if `cranny verify` proves the path of a certificate with straight edges.

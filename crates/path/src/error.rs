@@ -108,6 +108,18 @@ pub enum PathError {
         /// Maximum rate, in Hz.
         greatest_hz: f64,
     },
+    /// A trajectory has too many samples.
+    #[error(
+        "{duration_s:.3e} s at {rate_hz} Hz are more than {greatest:.0e} samples (give a lower rate, or a higher speed)"
+    )]
+    TooManySamples {
+        /// Duration, in seconds.
+        duration_s: f64,
+        /// Requested rate, in Hz.
+        rate_hz: f64,
+        /// Maximum number of samples.
+        greatest: f64,
+    },
     /// The task of the path is malformed.
     #[error(transparent)]
     Task(#[from] cranny_task::TaskError),

@@ -287,6 +287,37 @@ impl Violation {
     }
 }
 
+impl Cause {
+    /// Returns the sentence of an exceeded bound; empty for other causes.
+    fn of_bound(&self) -> String {
+        match self {
+            Self::Tilt { tilt_rad, most_rad } => {
+                let [tilt, most] = [tilt_rad, most_rad].map(|angle| angle.to_degrees());
+                format!(
+                    "what is held is tilted by {tilt:.2}°, or not proven to be tilted by less, of {most:.2}° allowed"
+                )
+            }
+            Self::Tool { name, by, is_angle } => {
+                let (by, unit) = if *is_angle { (by.to_degrees(), "°") } else { (mm(*by), " mm") };
+                format!("the bound '{name}' is exceeded by {by:.2}{unit}, or not proven to be kept")
+            }
+            _ => String::new(),
+        }
+    }
+}
+
+impl Location {
+    /// Returns the words for the edge, or for the rounded corner at its end.
+    fn stretch(&self) -> String {
+        let (from, to) = (self.edge, self.edge + 1);
+        if self.along < 1.0 {
+            format!("edge {from}, from way point {from} to {to}")
+        } else {
+            format!("rounded corner at way point {to}")
+        }
+    }
+}
+
 impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.pair {
@@ -352,6 +383,9 @@ impl fmt::Display for Violation {
                 let [said, measured] = stated_and_measured.as_ref();
                 write!(f, "{at}: {}", measured.against(said))
             }
+            Cause::Statement { key, stated, measured } if key == "hold_demanded" => {
+                write!(f, "{key}: the hold has a factor of {measured}, {stated} is demanded")
+            }
             Cause::Statement { key, stated, measured } => {
                 write!(f, "{key}: the file states {stated}, measured {measured}")
             }
@@ -368,21 +402,7 @@ impl fmt::Display for Violation {
                     if matches!(cause, Cause::LongLiftOff { .. }) { "lifted off" } else { "set down" };
                 write!(f, "{at}: {moved} over {length} mm, {most} mm are allowed")
             }
-            Cause::Tilt { tilt_rad, most_rad } => {
-                let [tilt, most] = [tilt_rad, most_rad].map(|angle| angle.to_degrees());
-                write!(
-                    f,
-                    "{at}: what is held is tilted by {tilt:.2}°, or not proven to be tilted by less, of {most:.2}° allowed"
-                )
-            }
-            Cause::Tool { name, by, is_angle } => {
-                let by = if *is_angle {
-                    format!("{:.2}°", by.to_degrees())
-                } else {
-                    format!("{:.2} mm", mm(*by))
-                };
-                write!(f, "{at}: the bound '{name}' is exceeded by {by}, or not proven to be kept")
-            }
+            Cause::Tilt { .. } | Cause::Tool { .. } => write!(f, "{}: {}", at.stretch(), cause.of_bound()),
             Cause::NotPlaced { fault } => write!(f, "{at}: the object is let go, but {fault}"),
             Cause::NotThere { fault } => write!(f, "{at}: {fault}"),
             Cause::NotClear { clearance_m, required_m } | Cause::NotOut { clearance_m, required_m } => {

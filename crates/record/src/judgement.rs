@@ -55,12 +55,16 @@ pub struct Demanded {
     /// Stages, as [`PlanFile::task`].
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub task: Vec<Stage>,
+    /// Least factor of the hold.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hold: Option<f64>,
 }
 
 /// Keys that state the task of a plan: if one differs, no figure belongs to the task of this audit.
 const TASK: [&str; 5] = ["scenario", "robot", "geometry", "criterion", "margins"];
 
 const GRASPS: &str = "grasps";
+const HOLD_DEMANDED: &str = "hold_demanded";
 
 /// The only figures that depend on the set of grasps: no motion does.
 const OF_GRASPS: [&str; 5] = ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp", "picks"];
@@ -88,7 +92,7 @@ const MEASURED: [&str; 22] = [
     "tilt",
     "tool",
     "hold",
-    "hold_demanded",
+    HOLD_DEMANDED,
 ];
 
 /// Keys that are never measured: they record how the path was found.
@@ -202,7 +206,8 @@ impl PlanFile {
         let Some(audit) = audit? else { return Ok(None) };
         let robustness = robustness.filter(|_| audit.valid);
         let least_length = if audit.valid { self.measured_least_length(problem) } else { None };
-        let hold = match along.filter(|_| self.hold.is_some() && audit.valid) {
+        let is_of_hold = self.hold.is_some() || self.hold_demanded.is_some();
+        let hold = match along.filter(|_| is_of_hold && audit.valid) {
             Some(along) => HoldFactors::of(problem, along, &self.segments, self.timing_asked())?,
             None => None,
         };
@@ -210,6 +215,7 @@ impl PlanFile {
         let met =
             |demanded: f64| hold.map_or(demanded, |hold| demanded.min(hold.factor.unwrap_or(hold.at_rest)));
         let hold_demanded = self.hold_demanded.filter(|_| !self.task.is_empty()).map(met);
+        let is_hold_unknown = hold.is_none();
         let measured = self.measured(task, (along, problem), &audit, settings)?;
         let tilt = along.filter(|_| self.tilt.is_some() && audit.valid);
         let tilt = tilt.and_then(|along| Tilt::of(along, &self.segments));
@@ -231,7 +237,9 @@ impl PlanFile {
         let is_promise = |key: &&str| is_stated(key) || *key == NOT_CHECKED && self::is_stated(&found[*key]);
         // A task without a name is a requirement, not a statement.
         let is_named = |key: &&str| self.task_name.is_some() || !key.starts_with("task");
-        let measured_keys: Vec<_> = MEASURED.into_iter().filter(is_promise).filter(is_named).collect();
+        let is_known = |key: &&str| *key != HOLD_DEMANDED || !is_hold_unknown;
+        let promises = MEASURED.into_iter().filter(is_promise).filter(is_named);
+        let (measured_keys, unknown): (Vec<_>, Vec<_>) = promises.partition(is_known);
         if holds {
             for statement in differences(&measured_keys, &stated, &found) {
                 let key = first_key(&statement.key);
@@ -239,7 +247,9 @@ impl PlanFile {
                 let is_unproven =
                     problem.cell().is_none() && statement.measured.is_null() && key != NOT_CHECKED;
                 let is_of_task = is_own_task && (has_own_grasps || !OF_GRASPS.contains(&key));
-                if is_of_task && (statement.is_false || is_unproven) {
+                // As with margins, a demand counts in any scenario.
+                let counts = is_of_task || key == HOLD_DEMANDED;
+                if counts && (statement.is_false || is_unproven) {
                     judgement.audit.violations.push(statement.violation());
                 } else {
                     judgement.differs.push(statement);
@@ -250,7 +260,7 @@ impl PlanFile {
         } else {
             judgement.not_compared = measured_keys;
         }
-        judgement.not_compared.extend(RECORD.into_iter().filter(is_stated));
+        judgement.not_compared.extend(unknown.into_iter().chain(RECORD.into_iter().filter(is_stated)));
         Ok(Some(judgement))
     }
 
@@ -258,7 +268,11 @@ impl PlanFile {
     fn judgement(&self, task: &PlanSource, audit: Audit, measured: Self) -> Judgement {
         Judgement {
             audit,
-            demanded: Demanded { margins: task.margins, task: self.task.clone() },
+            demanded: Demanded {
+                margins: task.margins,
+                task: self.task.clone(),
+                hold: self.hold_demanded.filter(|_| !self.task.is_empty()),
+            },
             differs: Vec::new(),
             compared: Vec::new(),
             not_compared: Vec::new(),

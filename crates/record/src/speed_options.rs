@@ -45,10 +45,13 @@ pub struct SpeedOptions {
 type SetLimit = fn(&mut SpeedLimits, f64);
 
 impl SpeedOptions {
-    /// Returns the words of a scenario followed by these.
+    /// Returns the words of a scenario followed by these. A word for all motions also limits what the scenario states for a mode.
     pub(crate) fn after(&self, stated: &[StatedSpeed]) -> Self {
         let words = |of: fn(&StatedSpeed) -> Option<f64>, own: &[SpeedOption]| {
-            let word = |speed: &StatedSpeed| Some(SpeedOption { mode: speed.mode, value: of(speed)? });
+            let most =
+                own.iter().rev().find(|word| word.mode.is_none()).map_or(f64::INFINITY, |word| word.value);
+            let word =
+                |speed: &StatedSpeed| Some(SpeedOption { mode: speed.mode, value: of(speed)?.min(most) });
             stated.iter().filter_map(word).chain(own.iter().copied()).collect()
         };
         Self {

@@ -205,6 +205,22 @@ pub enum ScenarioError {
         /// Number of objects.
         actual: usize,
     },
+    /// A name is empty, or has a line break or another control character.
+    #[error("{at}: {name:?} is not a name (give one or more visible characters in one line)")]
+    UnreadableName {
+        /// Location of the name.
+        at: Location,
+        /// Name.
+        name: String,
+    },
+    /// A tilt is out of its range.
+    #[error("{at}: 'upright_deg' must be at most 180, but is {degrees}")]
+    UprightRange {
+        /// Location of the number.
+        at: Location,
+        /// Number.
+        degrees: f64,
+    },
     /// Two items have the same name.
     #[error("{at}: the name '{name}' is taken already (names are unique, and 'floor' is the floor's)")]
     NameTaken {
@@ -354,12 +370,10 @@ pub enum ScenarioError {
     },
     /// The scenario's robot cannot be referenced by name, so the scenario cannot be written.
     #[error(
-        "the scenario cannot be written: it changes its robot beyond the robot's own files (joints {joints})"
+        "the scenario cannot be written: it changes its robot by `srdf`, `group`, `tip`, `fixed` or `packages` (state these in a \
+         robot of its own, by `cranny robot add`, and name that)"
     )]
-    OtherRobot {
-        /// Joint names of the robot.
-        joints: String,
-    },
+    OtherRobot,
     /// The output path of a scenario exists already.
     #[error("{}: exists already (give another folder, or remove it)", path.display())]
     Exists {

@@ -17,6 +17,22 @@ pub enum SenseError {
         /// Number of joints.
         expected: usize,
     },
+    /// The configuration of the robot in a view is beyond a limit.
+    #[error(
+        "view '{view}': the configuration has {joint} at {value}, beyond its limits {lower} to {upper} (rad, m)"
+    )]
+    ConfigurationLimit {
+        /// Name of the view.
+        view: String,
+        /// Name of the joint.
+        joint: String,
+        /// Its value.
+        value: f64,
+        /// Its lower limit.
+        lower: f64,
+        /// Its upper limit.
+        upper: f64,
+    },
     /// A property of a camera is out of its range.
     #[error("the {property} of a camera must be {range}, but is {value}")]
     Camera {

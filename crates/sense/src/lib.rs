@@ -36,4 +36,4 @@ pub use seen::known_solids::KnownBody;
 pub use seen::occupancy_grid::{Content, OccupancyGrid};
 pub use seen::seen_map::{SeenMap, SeenSettings, Unseen};
 pub use sensor_model::SensorModel;
-pub use view::View;
+pub use view::{View, check_configuration};

@@ -5,8 +5,8 @@ use cranny_file::distinct;
 use cranny_robot::LimitViolation;
 use cranny_spatial::{CONTACT_M, ROUNDING_M};
 
-use crate::Problem;
 use crate::problem::Validity;
+use crate::{FailureReason, Problem};
 
 /// A reason why a configuration is not free, shown in one sentence.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +64,25 @@ pub(crate) fn exceeded_bounds(cell: &Cell, q: &[f64]) -> Vec<ConfigurationFault>
         (by > -ROUNDING_M).then_some(ConfigurationFault::OutOfBounds { name, by, is_angle })
     });
     exceeded.collect()
+}
+
+/// Returns the reason why none of some ends of a transfer (m, rad; one value per joint) is within the bounds of the tool.
+pub fn ends_out_of_bounds(cell: &Cell, ends: &[Vec<f64>]) -> Option<FailureReason> {
+    let mut least: Option<FailureReason> = None;
+    for end in ends {
+        let exceeded = exceeded_bounds(cell, end);
+        let Some(ConfigurationFault::OutOfBounds { name, by, is_angle }) = exceeded.into_iter().next() else {
+            return None;
+        };
+        let is_less = match &least {
+            Some(FailureReason::EndOutOfBounds { by: least, .. }) => by < *least,
+            _ => true,
+        };
+        if is_less {
+            least = Some(FailureReason::EndOutOfBounds { bound: name, by, is_angle });
+        }
+    }
+    least
 }
 
 impl Problem {

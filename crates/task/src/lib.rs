@@ -10,7 +10,7 @@ mod placing;
 mod problem;
 mod stages;
 
-pub use configuration_fault::ConfigurationFault;
+pub use configuration_fault::{ConfigurationFault, ends_out_of_bounds};
 pub use error::TaskError;
 pub use goal::Goal;
 pub use grasping::closing_hand::{ClosedHand, ClosingHand};

@@ -22,7 +22,7 @@ pub struct SeenSummary {
 impl SeenSummary {
     /// Returns the summary of the map; `None` without one.
     pub fn of(scenario: &Scenario) -> Option<Self> {
-        let SeenSpace { map, sensors, options } = scenario.seen.as_ref()?;
+        let SeenSpace { map, sensors, options, .. } = scenario.seen.as_ref()?;
         let region = &map.settings().region;
         let [detail_m, detail_beside_target_m] = map.detail_m();
         Some(Self {

@@ -8,8 +8,8 @@ use cranny_plan::Unobserved;
 use cranny_record::{PlanFile, read_waypoints};
 use cranny_scenario::{Friction, OpenOptions, TargetPhysics};
 use cranny_sim::{
-    ContactPhase, Disturbance, ExecutedPlan, PickPath, PlacedError, PlanContact, PlanExecution, PlanRow,
-    Released, SimError, StopReason,
+    ContactPhase, Disturbance, ExecutedPlan, GraspOutcome, PickPath, PlacedError, PlanContact, PlanExecution,
+    PlanOutcome, PlanRow, Released, SimError, StopReason,
 };
 use cranny_solve::{TaskTrajectory, Timing};
 use cranny_task::{Segment, robot_hand};
@@ -228,6 +228,13 @@ fn page_of(name: &str, row: &PlanRow) -> String {
         let _ = write!(page, ", of {:.1} s that were simulated", row.simulated_s);
     }
     page.push('\n');
+    if let Some(settled_m) = row.settled_m {
+        let settled = millimetres(settled_m);
+        let _ = writeln!(
+            page,
+            "  the object does not rest where the plan has it: it came to rest {settled} away before the motion"
+        );
+    }
     for contact in &row.contacts {
         let PlanContact { time_s, link, body, depth_m, phase } = contact;
         let phase = match phase {
@@ -242,13 +249,12 @@ fn page_of(name: &str, row: &PlanRow) -> String {
         page.push_str("  nothing was touched before the hand closed\n");
     }
     let pushed = millimetres(row.pushed_m);
-    let rose = match &row.released {
-        // The place of an object that was put down is below.
-        Some(_) => String::new(),
-        None => {
-            let side = if row.rose_m < 0.0 { "lower" } else { "higher" };
-            format!(", and is {} {side} at the end", millimetres(row.rose_m.abs()))
-        }
+    // The place of an object that was put down is below.
+    let rose = if row.released.is_none() {
+        let side = if row.rose_m < 0.0 { "lower" } else { "higher" };
+        format!(", and is {} {side} at the end", millimetres(row.rose_m.abs()))
+    } else {
+        String::new()
     };
     let _ = writeln!(page, "  the object was pushed by {pushed} before{rose}");
     let end = if row.released.is_some() { "until it was released" } else { "to the end" };
@@ -257,8 +263,13 @@ fn page_of(name: &str, row: &PlanRow) -> String {
         (false, true) => format!("stayed in the hand {end}, but slipped too far"),
         (false, false) => format!("did NOT stay in the hand {end}"),
     };
-    let slipped = [millimetres(row.translation_error_m), degrees(row.rotation_error_rad)];
-    let _ = writeln!(page, "  it {stayed}: it slipped by {}, {}", slipped[0], slipped[1]);
+    let [slipped, turned] = [millimetres(row.translation_error_m), degrees(row.rotation_error_rad)];
+    let _ = match row.outcome {
+        PlanOutcome::Grasped(GraspOutcome::NeverClosed | GraspOutcome::KnockedAway) => {
+            writeln!(page, "  the hand never held it: it moved by {slipped}, {turned} while the hand closed")
+        }
+        _ => writeln!(page, "  it {stayed}: it slipped by {slipped}, {turned}"),
+    };
     let off = |error: &PlacedError| {
         format!("{}, {} off", millimetres(error.translation_m), degrees(error.rotation_rad))
     };

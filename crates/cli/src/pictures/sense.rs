@@ -16,7 +16,7 @@ use crate::arguments::Output;
 use crate::choices::GeometryArgument;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
-use crate::number_argument::{positive, share, whole};
+use crate::number_argument::{positive, share_or_none, whole};
 use crate::planning::task::open_scenario;
 use crate::{Answer, output_file, progress, text};
 
@@ -68,7 +68,7 @@ pub struct SenseArguments {
     #[arg(long, value_name = "FACTOR", requires = "noise_seed", value_parser = positive)]
     pub noise_factor: Option<f64>,
     /// Share of pixels at random places without a depth [default: 0]
-    #[arg(long, value_name = "SHARE", requires = "noise_seed", value_parser = share)]
+    #[arg(long, value_name = "SHARE", requires = "noise_seed", value_parser = share_or_none)]
     pub dropouts: Option<f64>,
     /// Also write the points of each view in the frame of the robot's root link (NAME.pcd)
     #[arg(long)]

@@ -217,7 +217,7 @@ fn page(answered: &Answered, explored: &Explored) -> String {
     let mut page = if *solved {
         format!("{scenario}: solved after {views}, proven in the space that they show\n")
     } else if *stopped {
-        format!("{scenario}: stopped after {views}, which are not kept\n")
+        format!("{scenario}: stopped after {views}, not kept\n")
     } else {
         format!("{scenario}: not solved after {views} ({})\n", plan.outcome.name())
     };

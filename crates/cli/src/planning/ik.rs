@@ -40,6 +40,11 @@ struct Annotated<'a> {
 
 pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
     let Task { scenario, mut problem, .. } = Task::open(&arguments.task, Demand::default(), output)?;
+    if scenario.grasps.is_empty() {
+        let problem =
+            "ik searches at given grasps, and there are none (`grasps sample` makes a file of them)";
+        return Err(Failure::Flag { flag: "grasps", problem: problem.to_owned() });
+    }
     if let Some(grasp) = arguments.grasp {
         let Some(chosen) = scenario.grasps.grasps().get(grasp) else {
             let problem = text::only_so_many(scenario.grasps.len(), "grasp");

@@ -1,6 +1,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use cranny_collision::Margins;
 use cranny_file::counted;
 use cranny_grasp::{GraspSet, ScoreKind};
 use cranny_path::BaseEnclosure;
@@ -316,7 +317,7 @@ fn blocked(plan: &PlanFile, is_own: bool, line: &mut dyn FnMut(&str, String)) {
     if left > 0 && !is_own {
         line("not tried", counted(left, "grasp"));
     }
-    let margins = demanded_margins(&plan.margins);
+    let margins = demanded_margins(&Margins { tilt_rad: None, ..plan.margins });
     if !(plan.failures.is_empty() || margins.is_empty()) {
         line("", format!("bodies closer than required count as touching: {}", margins.join(", ")));
     }
@@ -349,7 +350,7 @@ fn no_grasp(reason: &NoGrasp, line: &mut dyn FnMut(&str, String)) {
                 format!("nearest is {nearest}{beyond}: the arm misses it by {missed}, {turned}, {joints}"),
             );
             if let Some([x, y]) = miss.base_shift_m {
-                let shift = format!("{x:+.2} m along x and {y:+.2} m along y");
+                let shift = format!("{x:+.2} m along x and {y:+.2} m along y of its own frame");
                 line("hint", format!("with the base moved by {shift}, a grasp has a free configuration"));
             }
         }

@@ -84,6 +84,7 @@ pub fn open_scenario(id: &str, options: &OpenOptions, output: Output) -> Result<
     let scenario = scenario?;
     note_all(&brief_model_notes(&scenario.robot, &scenario.world), output)?;
     note_all(scenario.misplaced_grasps().as_slice(), output)?;
+    note_all(&scenario.blind_views(), output)?;
     Ok(scenario)
 }
 

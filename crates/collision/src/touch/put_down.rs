@@ -44,7 +44,7 @@ impl Cell {
             return Ok(None);
         }
         let grasp_bodies = self.around.grasp_bodies(body, margins);
-        Ok(Some(Self::of(CellParts { grasp_bodies, margins, ..self.parts_of() })))
+        Ok(Some(Self::of(CellParts { margins, grasp_bodies, ..self.parts_of() })))
     }
 
     /// Returns the distance of the hand from a body of the world at `q` (m, rad; one per joint), in metres, as a certified

@@ -141,7 +141,7 @@ impl Trajectory {
     /// Returns samples at 0, 1/`rate_hz`, 2/`rate_hz`, … and at the end.
     ///
     /// # Errors
-    /// [`PathError::SampleRate`] if the rate is not above 0 and at most [`MAX_SAMPLE_RATE_HZ`].
+    /// [`PathError::SampleRate`] if the rate is not above 0 and at most [`MAX_SAMPLE_RATE_HZ`], [`PathError::TooManySamples`].
     pub fn samples(
         &self,
         rate_hz: f64,
@@ -150,13 +150,20 @@ impl Trajectory {
     }
 }
 
+/// Maximum number of samples of a trajectory: some gigabytes of text.
+const MAX_SAMPLES: f64 = 1e7;
+
 /// Returns the instants 0, 1/`rate_hz`, 2/`rate_hz`, … and the end, in seconds.
 ///
 /// # Errors
-/// [`PathError::SampleRate`] if the rate is not above 0 and at most [`MAX_SAMPLE_RATE_HZ`].
+/// [`PathError::SampleRate`] if the rate is not above 0 and at most [`MAX_SAMPLE_RATE_HZ`], [`PathError::TooManySamples`].
 pub fn sample_times(duration_s: f64, rate_hz: f64) -> Result<impl Iterator<Item = f64>, PathError> {
     if !(rate_hz > 0.0 && rate_hz <= MAX_SAMPLE_RATE_HZ) {
         return Err(PathError::SampleRate { rate_hz, greatest_hz: MAX_SAMPLE_RATE_HZ });
+    }
+    let count = duration_s * rate_hz;
+    if count > MAX_SAMPLES {
+        return Err(PathError::TooManySamples { duration_s, rate_hz, greatest: MAX_SAMPLES });
     }
     // A sample this close to the end, as a share of the interval, is the end.
     const SAME_INSTANT: f64 = 1e-6;

@@ -197,6 +197,12 @@ impl Layout<'_> {
         taken: &mut HashSet<&'b str>,
     ) -> Result<(), ScenarioError> {
         let name = &entry.name.value;
+        if name.trim().is_empty() || name.chars().any(char::is_control) {
+            return Err(ScenarioError::UnreadableName {
+                at: self.at(entry.name.referenced),
+                name: name.clone(),
+            });
+        }
         if name == FLOOR || !taken.insert(name) {
             let at = self.at(entry.name.referenced);
             return Err(ScenarioError::NameTaken { at, name: name.clone() });
@@ -228,8 +234,13 @@ impl Layout<'_> {
             ..RobotOptions::default()
         };
         let name = &file.robot.value;
-        let source_of =
-            |source| if robot_options == RobotOptions::default() { source } else { RobotSource::Other };
+        let pairs = &robot_options.unchecked_pairs;
+        let exempting = RobotOptions { unchecked_pairs: pairs.clone(), ..RobotOptions::default() };
+        let source_of = |source| match robot_options == exempting {
+            true if pairs.is_empty() => source,
+            true => RobotSource::Exempting(Box::new(source), pairs.clone()),
+            false => RobotSource::Other,
+        };
         if let Some(builtin) = BuiltinRobot::of_name(name) {
             return Ok((builtin.robot(&robot_options)?, source_of(RobotSource::Builtin(builtin.name))));
         }
@@ -274,12 +285,6 @@ impl Layout<'_> {
             None => Err(ScenarioError::MissingJoint { at: self.at(start.referenced), joint: joint.clone() }),
         };
         joints.iter().map(value_of).collect()
-    }
-
-    /// Returns the maximum tilt of a held object, in radians.
-    fn upright(&self, degrees: &Spanned<f64>) -> Result<f64, ScenarioError> {
-        let degrees = yaml::positive(self.path, "upright_deg", degrees.value, degrees.referenced)?;
-        Ok(degrees.min(180.0).to_radians())
     }
 
     /// Returns the body. A target must be closed; an obstacle may have small holes.

@@ -16,6 +16,15 @@ use crate::layout::own_file::{ScenarioFile, SpeedEntry, ToolBoundEntry};
 use crate::stated_speed::{ALL, StatedSpeed};
 
 impl Layout<'_> {
+    /// Returns the maximum tilt of a held object, in radians.
+    pub fn upright(&self, entry: &Spanned<f64>) -> Result<f64, ScenarioError> {
+        let degrees = yaml::positive(self.path, "upright_deg", entry.value, entry.referenced)?;
+        if degrees > 180.0 {
+            return Err(ScenarioError::UprightRange { at: self.at(entry.referenced), degrees });
+        }
+        Ok(degrees.to_radians())
+    }
+
     /// Returns the world with the tool bounds of a file.
     pub fn with_tool_bounds(
         &self,

@@ -152,6 +152,8 @@ struct BodyKeys {
     radius_m: Option<f64>,
     /// Side of voxels of which one point of the cloud each is kept; their diagonal is added to the radius.
     voxel_m: Option<f64>,
+    /// Colour of the cloud in pictures: red, green and blue, 0 to 1 (sRGB).
+    colour: Option<[f64; 3]>,
     /// Mass (kg), which takes precedence over that of its object; positive.
     #[schemars(with = "Option<f64>")]
     mass_kg: Option<Spanned<f64>>,
@@ -175,24 +177,29 @@ impl BodyEntry {
             cloud,
             radius_m,
             voxel_m,
+            colour,
             mass_kg,
             friction,
             rolling_m,
             upright_deg,
         } = keys;
         let (name, shapes) = match (cloud, shapes) {
-            (None, shapes) if radius_m.or(voxel_m).is_none() => {
+            (None, shapes) if radius_m.or(voxel_m).is_none() && colour.is_none() => {
                 let name = name.ok_or_else(|| E::missing_field("name"))?;
                 (name, shapes.ok_or_else(|| E::missing_field("shapes"))?)
             }
-            (None, _) => return Err(E::custom("`radius_m` and `voxel_m` of a body need `cloud: FILE`")),
+            (None, _) => {
+                return Err(E::custom(
+                    "`radius_m`, `voxel_m` and `colour` of a body need `cloud: FILE` (each of its `shapes` has a `colour`)",
+                ));
+            }
             (Some(_), Some(_)) => return Err(E::custom("a body has either `shapes` or a `cloud`")),
             (Some(file), None) => {
                 let Spanned { value: file, referenced, defined } = file;
                 let radius_m = radius_m.ok_or_else(|| E::missing_field("radius_m"))?;
                 let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
                 let cloud = Some(CloudEntry { file, radius_m, voxel_m });
-                let shape = ShapeEntry { cloud, ..ShapeEntry::default() };
+                let shape = ShapeEntry { cloud, colour, ..ShapeEntry::default() };
                 let name = name.unwrap_or_else(|| Spanned::new(stem, referenced, defined));
                 (name, vec![Spanned::new(shape, referenced, defined)])
             }

@@ -59,6 +59,10 @@ impl Recipe {
         let Pose { translation, rotation } = self.robot.scene_from_root;
         let yaw_deg = plain(rotation.euler_angles().2.to_degrees());
         let _ = writeln!(text, "robot: {}", self.robot.named_in_yaml());
+        if !self.robot.unchecked_pairs.is_empty() {
+            let pairs = serde_json::to_value(&self.robot.unchecked_pairs).unwrap_or_default();
+            let _ = writeln!(text, "unchecked_pairs: {pairs}");
+        }
         let _ = writeln!(
             text,
             "frame: {{position: {}, rotation_rpy_deg: [0, 0, {yaw_deg}]}}",

@@ -17,7 +17,9 @@ pub enum RobotSource {
     Builtin(&'static str),
     /// Folder with a `robot.yaml`, or a URDF, without modifications elsewhere.
     Files(PathBuf),
-    /// Robot that a scenario file modifies.
+    /// Robot of which a scenario file exempts these pairs of links.
+    Exempting(Box<Self>, Vec<[String; 2]>),
+    /// Robot that a scenario file modifies otherwise.
     Other,
 }
 
@@ -42,6 +44,8 @@ pub struct RecipeRobot {
     pub(crate) named: String,
     /// Files to be written with the scenario; `None` for a built-in robot.
     pub(crate) files: Option<Arc<RobotFiles>>,
+    /// Pairs of links that the scenario file exempts.
+    pub(crate) unchecked_pairs: Vec<[String; 2]>,
 }
 
 impl RecipeRobot {
@@ -77,15 +81,18 @@ impl RecipeRobot {
             RobotSource::Files(path) => {
                 (ROBOT.to_owned(), Some(Arc::new(RobotFiles::gather(path, None, &[])?)))
             }
-            RobotSource::Other => {
-                return Err(ScenarioError::OtherRobot { joints: robot.joint_names().join(", ") });
+            RobotSource::Exempting(source, unchecked_pairs) => {
+                let unchecked_pairs = unchecked_pairs.clone();
+                return Ok(Self { unchecked_pairs, ..Self::of(source, robot)? });
             }
+            RobotSource::Other => return Err(ScenarioError::OtherRobot),
         };
         let named = match &files {
             Some(files) if !files.has_description() => format!("{ROBOT}/{}", files.urdf),
             _ => named,
         };
-        Ok(Self { scene_from_root: scene_from_root(&robot), robot, named, files })
+        let scene_from_root = scene_from_root(&robot);
+        Ok(Self { scene_from_root, robot, named, files, unchecked_pairs: Vec::new() })
     }
 
     /// Writes the robot's files into a folder, for use by other programs, and returns the path of its URDF.
@@ -96,7 +103,7 @@ impl RecipeRobot {
         match (&self.files, BuiltinRobot::of_name(&self.named)) {
             (Some(files), _) => write_robot(folder, files).map(|()| folder.join(&files.urdf)),
             (None, Some(builtin)) => builtin.write(folder),
-            (None, None) => Err(ScenarioError::OtherRobot { joints: self.robot.joint_names().join(", ") }),
+            (None, None) => Err(ScenarioError::OtherRobot),
         }
     }
 

@@ -10,6 +10,8 @@ pub struct SeenSpace {
     pub map: Arc<SeenMap>,
     /// Sensors of the views, in order.
     pub sensors: Vec<SensorModel>,
+    /// Names of the views without a usable pixel.
+    pub blind: Vec<String>,
     /// Options with which the map was made.
     pub options: SeenOptions,
 }

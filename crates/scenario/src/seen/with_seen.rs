@@ -1,7 +1,9 @@
 use std::sync::Arc;
 
 use cranny_collision::Body;
-use cranny_sense::{KnownBody, SeenMap, SeenSettings, SenseError, SensorModel, Unseen, View};
+use cranny_sense::{
+    KnownBody, SeenMap, SeenSettings, SenseError, SensorModel, Unseen, View, check_configuration,
+};
 use cranny_shape::{Aabb, Solid};
 use cranny_spatial::{Point, Pose, Vector};
 
@@ -80,11 +82,8 @@ impl Scenario {
         let shown = |view: &View| {
             let elsewhere = view.configuration.as_ref().filter(|q| **q != self.start);
             let Some(q) = elsewhere else { return Ok(None) };
-            if q.len() == self.robot.dof() {
-                return Ok(Some([&[robot_at(q)], &bodies[1..]].concat()));
-            }
-            let (view, actual, expected) = (view.name.clone(), q.len(), self.robot.dof());
-            Err(SenseError::Configuration { view, actual, expected })
+            check_configuration(&self.robot, &view.name, q)?;
+            Ok::<_, SenseError>(Some([&[robot_at(q)], &bodies[1..]].concat()))
         };
         let shown = views.iter().map(shown).collect::<Result<Vec<_>, _>>()?;
         let map = SeenMap::of_moving(views, &bodies, &shown, settings)?;
@@ -93,7 +92,10 @@ impl Scenario {
             seen = seen.with_body(body)?;
         }
         let sensors = views.iter().map(|view| view.sensor).collect();
-        Ok(Self { seen: Some(SeenSpace { map: Arc::new(map), sensors, options: options.clone() }), ..seen })
+        let blind =
+            views.iter().filter(|view| view.usable_pixels() == 0).map(|view| view.name.clone()).collect();
+        let seen_space = SeenSpace { map: Arc::new(map), sensors, blind, options: options.clone() };
+        Ok(Self { seen: Some(seen_space), ..seen })
     }
 
     /// Returns the solids of the robot's links at `q` (m, rad; one value per joint), with their poses in the planning frame.
@@ -108,10 +110,21 @@ impl Scenario {
         solids.collect()
     }
 
+    /// Returns a note on each view that shows nothing.
+    pub fn blind_views(&self) -> Vec<String> {
+        let note = |view: &String| {
+            format!(
+                "the view '{view}' shows nothing: no pixel has a depth within the range of its sensor (is `depth_unit_m` right, \
+                 and the camera outside of all bodies?)"
+            )
+        };
+        self.seen.iter().flat_map(|seen| &seen.blind).map(note).collect()
+    }
+
     /// Returns a sentence on the views that the obstacles come from, the bounds of their errors and what they do not show; `None` if the
     /// obstacles do not come from views.
     pub fn seen_statement(&self) -> Option<String> {
-        let SeenSpace { map, sensors, options } = self.seen.as_ref()?;
+        let SeenSpace { map, sensors, options, .. } = self.seen.as_ref()?;
         let unseen = match options.unseen {
             Unseen::Solid => "all space that none of them shows to be free is an obstacle",
             Unseen::Free => "space that none of them shows counts as free, so nothing is proven of it",

@@ -7,7 +7,7 @@ use serde_saphyr::Spanned;
 
 use crate::files::camera_entry::{CameraEntry, SensorEntry, Source};
 use crate::files::camera_frame::CameraFrame;
-use crate::{Camera, SenseError, SensorModel};
+use crate::{Camera, SenseError, SensorModel, check_configuration};
 
 /// Cameras of a file, fixed or on links of the robot.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,16 +75,15 @@ impl PlacedCamera {
     /// joint) if it has none.
     ///
     /// # Errors
-    /// [`SenseError::UnknownLink`] for a link that the robot does not have, [`SenseError::Configuration`] for a configuration of
-    /// another robot.
+    /// [`SenseError::UnknownLink`] for a link that the robot does not have, and those of
+    /// [`check_configuration`].
     ///
     /// # Panics
     /// If `q` has not one value per joint.
     pub fn at(&self, robot: &Robot, q: &[f64]) -> Result<Camera, SenseError> {
         let q = self.configuration.as_deref().unwrap_or(q);
-        if let Some(own) = self.configuration.as_ref().filter(|own| own.len() != robot.dof()) {
-            let (view, actual, expected) = (self.name.clone(), own.len(), robot.dof());
-            return Err(SenseError::Configuration { view, actual, expected });
+        if let Some(own) = &self.configuration {
+            check_configuration(robot, &self.name, own)?;
         }
         let CameraFrame::Link(name) = &self.frame else { return Ok(self.camera.clone()) };
         let links = || robot.links().iter().map(|link| link.name.as_str());

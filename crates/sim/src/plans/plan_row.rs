@@ -1,6 +1,9 @@
 use serde::Serialize;
 
-use crate::{GraspOutcome, PickRun, PlacedError, PlanContact, PlanOutcome, PlanRun};
+use crate::{GraspOutcome, PickRun, PlacedError, PlanContact, PlanOutcome, Rest};
+
+#[cfg(doc)]
+use crate::PlanRun;
 
 /// Result of an executed plan, without the recording. The field names are those of files.
 #[derive(Clone, Debug, Serialize)]
@@ -11,6 +14,10 @@ pub struct PlanRow {
     pub is_kept: bool,
     /// See [`crate::GraspRun`].
     pub is_in_hand: bool,
+    /// Displacement of the object from its pose in the scenario to where it came to rest before the plan, in metres, if it is more
+    /// than [`Rest::MOST_M`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settled_m: Option<f64>,
     /// See [`PlanRun`].
     pub reach_s: f64,
     /// See [`PlanRun`].
@@ -101,9 +108,9 @@ impl ExecutedPlan {
         if let [pick] = runs
             && count == 1
         {
-            return Some(Self::One { scenario, row: Box::new(PlanRow::of(&pick.run)) });
+            return Some(Self::One { scenario, row: Box::new(PlanRow::of(pick)) });
         }
-        let pick = |pick: &PickRun| ExecutedPick { object: pick.object.clone(), row: PlanRow::of(&pick.run) };
+        let pick = |pick: &PickRun| ExecutedPick { object: pick.object.clone(), row: PlanRow::of(pick) };
         let steps: Vec<ExecutedPick> = runs.iter().map(pick).collect();
         let as_planned = steps.len() == count && steps.iter().all(|pick| pick.row.is_as_planned());
         let stopped = (runs.len() < count).then_some(StopReason::NotReleased);
@@ -137,10 +144,14 @@ impl PlanRow {
         matches!(self.outcome, PlanOutcome::Placed | PlanOutcome::Grasped(GraspOutcome::Held))
     }
 
-    /// Extracts the row of a run.
-    pub fn of(run: &PlanRun) -> Self {
+    /// Extracts the row of a pick.
+    pub fn of(pick: &PickRun) -> Self {
+        let run = &pick.run;
         let (grasp, ended) = (&run.grasp, &run.grasp.world_from_object);
+        let sank = run.world_from_resting.translation.vector - pick.world_from_object.translation.vector;
+        let settled_m = Some(sank.norm()).filter(|settled_m| *settled_m > Rest::MOST_M);
         Self {
+            settled_m,
             outcome: run.outcome(),
             is_kept: grasp.outcome == GraspOutcome::Held,
             is_in_hand: grasp.is_in_hand,

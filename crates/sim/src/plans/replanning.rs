@@ -22,7 +22,7 @@ pub struct Replanned {
 impl Replanned {
     /// Collects the result for the scenario with this id.
     pub fn executed(&self, scenario: &str) -> ExecutedPlan {
-        let pick = |pick: &PickRun| ExecutedPick { object: pick.object.clone(), row: PlanRow::of(&pick.run) };
+        let pick = |pick: &PickRun| ExecutedPick { object: pick.object.clone(), row: PlanRow::of(pick) };
         ExecutedPlan::Several {
             scenario: scenario.to_owned(),
             as_planned: self.stopped.is_none(),
@@ -78,7 +78,7 @@ impl PlanExecution<'_> {
             let Some(run) = here.run(std::slice::from_ref(&pick), &mut done)?.pop() else {
                 return Ok(Replanned { runs, new_plans, stopped: Some(StopReason::NotReleased) });
             };
-            let row = PlanRow::of(&run.run);
+            let row = PlanRow::of(&run);
             let motion = run.run.grasp.world_from_object * run.world_from_object.inverse();
             let (is_done, body) = (row.is_as_planned(), run.body);
             let off = row.placed;

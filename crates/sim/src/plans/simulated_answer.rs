@@ -90,7 +90,7 @@ fn try_once(
         is_recorded: false,
     };
     let runs = execution.run(&picks, || {})?;
-    let rows: Vec<PlanRow> = runs.iter().map(|run: &PickRun| PlanRow::of(&run.run)).collect();
+    let rows: Vec<PlanRow> = runs.iter().map(|run: &PickRun| PlanRow::of(run)).collect();
     let executed = ExecutedPlan::of(&scenario.id, picks.len(), &runs);
     let kept = rows.len() == picks.len() && rows.iter().all(|row| row.is_kept);
     let failed = rows.iter().position(|row| !row.is_as_planned());

@@ -19,10 +19,10 @@ pub(crate) fn blocked_after(
     });
     let ends: Vec<Vec<Vec<f64>>> = moves.flatten().collect();
     move |world_from_tip| {
-        places.as_ref().and_then(|places| places.blocked_at(world_from_tip)).or_else(|| {
-            let [first, second] = ends.iter().find_map(|ends| carrier.blocked_at(world_from_tip, ends))?;
-            Some(FailureReason::EndBlocked { first, second })
-        })
+        places
+            .as_ref()
+            .and_then(|places| places.blocked_at(world_from_tip))
+            .or_else(|| ends.iter().find_map(|ends| carrier.blocked_at(world_from_tip, ends)))
     }
 }
 

@@ -2,7 +2,7 @@ use cranny_collision::Cell;
 use cranny_plan::Observer;
 use cranny_robot::{IkSearch, IkSearchSettings, IkSettings, between, distance};
 use cranny_spatial::{Pose, Stream};
-use cranny_task::{FailureReason, Move, Problem, Region, Segment, State};
+use cranny_task::{FailureReason, Move, Problem, Region, Segment, State, ends_out_of_bounds};
 
 use crate::stages::effort::Effort;
 
@@ -77,7 +77,7 @@ pub(crate) fn onward(
 ) -> Result<Way, FailureReason> {
     let failed = if state.held().is_some() { FailureReason::NotCarried } else { FailureReason::NotMoved };
     if let (Towards::Ends(ends), Some(_)) = (towards, state.held())
-        && let Some(excess) = state.ends_out_of_bounds(ends)
+        && let Some(excess) = ends_out_of_bounds(state.cell(), ends)
     {
         return Err(excess);
     }

@@ -2,8 +2,9 @@ use std::sync::Arc;
 
 use cranny_collision::{Cell, Closing, CollisionError, Motion, Resting, Scratch};
 use cranny_robot::{Hold, IkSettings, IkSolver, between};
-use cranny_spatial::{Pose, Rotation, Vector};
+use cranny_spatial::{EXACT_ROTATION_RAD, Pose, Rotation, Vector};
 
+use crate::configuration_fault::ends_out_of_bounds;
 use crate::grasping::closing_hand::{ClosedHand, ClosingHand};
 use crate::{FailureReason, LoadModel, Problem, TaskError};
 
@@ -136,23 +137,31 @@ impl Carrier {
         Ok(Grip { hold, opening_m, uneven_m, lifting, carrying })
     }
 
-    /// Returns the contact of the object, gripped with the tip at a pose in the planning frame, at the first of these
-    /// configurations (m, rad; one value per joint) if all of them collide; `None` if one is free.
+    /// Returns the reason why the object, gripped with the tip at a pose in the planning frame, can be at none of these
+    /// configurations (m, rad; one value per joint): a bound exceeded by more than the tolerance of a grasp, or the contact at the
+    /// first one. `None` if one is free.
     ///
     /// # Panics
     /// If a configuration has not one value per joint.
-    pub fn blocked_at(&self, world_from_tip: &Pose, ends: &[Vec<f64>]) -> Option<[String; 2]> {
+    pub fn blocked_at(&self, world_from_tip: &Pose, ends: &[Vec<f64>]) -> Option<FailureReason> {
         let tip_from_held = world_from_tip.inverse() * self.hand.world_from_target();
-        let blocked = |closing| {
-            let cell = self.hand.holding().with_hold(Hold { tip_from_held, closing }).ok()?;
+        let gripped = |closing| self.hand.holding().with_hold(Hold { tip_from_held, closing }).ok();
+        let blocked = |cell: &Cell| {
             let mut scratch = cell.scratch();
             let mut contacts = ends.iter().map(|end| cell.first_contact(end, &mut scratch));
             let first = contacts.next()??;
-            contacts.all(|contact| contact.is_some()).then(|| (first.names(&cell), cell))
+            let [first, second] = first.names(cell);
+            contacts.all(|contact| contact.is_some()).then_some(FailureReason::EndBlocked { first, second })
         };
         // First try the open hand: if one configuration is free with it, the fingers need not be closed.
-        let (names, open) = blocked(0.0)?;
-        open.close_on_held().map_or(Some(names), |Closing { closing, .. }| Some(blocked(closing)?.0))
+        let open = gripped(0.0)?;
+        if let Some(excess) = ends_out_of_bounds(&open, ends)
+            && matches!(excess, FailureReason::EndOutOfBounds { by, .. } if by > EXACT_ROTATION_RAD)
+        {
+            return Some(excess);
+        }
+        let contact = blocked(&open)?;
+        open.close_on_held().map_or(Some(contact), |Closing { closing, .. }| blocked(&gripped(closing)?))
     }
 
     /// Pose of the first solid of the object where it stands, in the planning frame.

@@ -5,7 +5,6 @@ use cranny_grasp::ASSUMED_DENSITY;
 use cranny_robot::{between, distance};
 use cranny_spatial::Pose;
 
-use crate::configuration_fault::{ConfigurationFault, exceeded_bounds};
 use crate::grasping::load_model::moments_of;
 use crate::placing::placed::Placed;
 use crate::stages::payload::Payload;
@@ -171,26 +170,6 @@ impl State {
         let moments = in_world.moved(&(grip.hold.tip_from_held * carrier.world_from_object().inverse()));
         let mass_kg = weight.mass_kg.unwrap_or(ASSUMED_DENSITY * moments.volume_m3);
         Some(Payload::new(mass_kg, &moments, weight.mass_kg.is_none()))
-    }
-
-    /// Returns the reason why none of some ends of a transfer (m, rad; one value per joint) is within the bounds of the tool.
-    pub fn ends_out_of_bounds(&self, ends: &[Vec<f64>]) -> Option<FailureReason> {
-        let mut least: Option<FailureReason> = None;
-        for end in ends {
-            let exceeded = exceeded_bounds(self.cell(), end);
-            let Some(ConfigurationFault::OutOfBounds { name, by, is_angle }) = exceeded.into_iter().next()
-            else {
-                return None;
-            };
-            let is_less = match &least {
-                Some(FailureReason::EndOutOfBounds { by: least, .. }) => by < *least,
-                _ => true,
-            };
-            if is_less {
-                least = Some(FailureReason::EndOutOfBounds { bound: name, by, is_angle });
-            }
-        }
-        least
     }
 
     /// Creates a segment of a stage through way points (m, rad; one value per joint) with the object in the hand.
