@@ -21,6 +21,23 @@ fn document(folder: &Path, file: &str) -> serde_json::Value {
     serde_json::from_slice(&std::fs::read(folder.join(file)).expect("written")).expect("JSON")
 }
 
+/// At home, each of two grasps of the template holds the can on its side.
+#[test]
+fn a_goal_that_tilts_the_object_with_each_grasp_ends_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    assert_eq!(cranny(folder, &["scenario", "new", "my"]).0, 0);
+    let [file, grasps] = ["my/scenario.yaml", "my/grasps.csv"].map(|name| folder.join(name));
+    let text = std::fs::read_to_string(&file).unwrap();
+    let (before, after) = text.split_once("\n  mass_kg:").expect("a mass");
+    std::fs::write(&file, format!("{before}\n  upright_deg: 15\n  mass_kg:{after}")).unwrap();
+    let text = std::fs::read_to_string(&grasps).unwrap();
+    std::fs::write(&grasps, text.split_inclusive('\n').take(3).collect::<String>()).unwrap();
+    let (code, page, _) = cranny(folder, &["plan", "my", "--carry", "home"]);
+    assert!(code == 1 && page.contains("no-reachable-grasp") && page.contains("the bound 'tilt'"), "{page}");
+    assert!(!page.contains("time-limit"), "{page}");
+}
+
 /// The plan of the README's first picture: the file states the hold factor, and `verify` confirms it.
 #[test]
 fn the_plan_of_the_first_picture_holds_its_object() {

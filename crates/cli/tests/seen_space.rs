@@ -50,6 +50,12 @@ fn faults_of_views_are_named() {
     done(folder, &sense);
     let (code, kept) = run(folder, &sense);
     assert_eq!(code, Some(2), "an existing folder is kept: {kept}");
+    // Metres taken for millimetres, a frequent mistake, are beyond the range of the sensor.
+    let views = folder.join("seen/views.yaml");
+    let measured = fs::read_to_string(&views).expect("views");
+    fs::write(&views, measured.replace("depth_unit_m: 0.001", "depth_unit_m: 1")).expect("written");
+    assert!(run(folder, &["info", "seen"]).1.contains("the view 'camera1' shows nothing"));
+    fs::write(&views, measured).expect("written");
     let file = folder.join("seen/scenario.yaml");
     let good = fs::read_to_string(&file).expect("a scenario");
     for (line, fault) in [

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use cranny_path::{MAX_SAMPLE_RATE_HZ, MotionLimits, PathError, TimingMethod, Trajectory};
+use cranny_path::{MAX_SAMPLE_RATE_HZ, MotionLimits, PathError, TimingMethod, Trajectory, sample_times};
 use cranny_robot::{JointLimits, JointUnit, Robot, RobotOptions};
 use cranny_spatial::Stream;
 use cranny_task::TaskError;
@@ -213,6 +213,7 @@ fn samples_are_evenly_spaced_and_include_the_end() {
     for rate_hz in [0.0, -1.0, f64::NAN, f64::INFINITY, 2.0 * MAX_SAMPLE_RATE_HZ] {
         assert!(matches!(trajectory.samples(rate_hz).err(), Some(PathError::SampleRate { .. })));
     }
+    assert!(matches!(sample_times(1e6, 100.0).err(), Some(PathError::TooManySamples { .. })));
 }
 
 #[test]

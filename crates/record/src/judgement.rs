@@ -215,7 +215,7 @@ impl PlanFile {
         let met =
             |demanded: f64| hold.map_or(demanded, |hold| demanded.min(hold.factor.unwrap_or(hold.at_rest)));
         let hold_demanded = self.hold_demanded.filter(|_| !self.task.is_empty()).map(met);
-        let is_hold_unknown = hold.is_none();
+        let is_hold_unknown = hold.is_none() && hold_demanded.is_some();
         let measured = self.measured(task, (along, problem), &audit, settings)?;
         let tilt = along.filter(|_| self.tilt.is_some() && audit.valid);
         let tilt = tilt.and_then(|along| Tilt::of(along, &self.segments));

@@ -159,6 +159,20 @@ mod tests {
     }
 
     #[test]
+    fn a_word_for_all_limits_what_a_scenario_states_for_a_mode() {
+        let stated = StatedSpeed {
+            mode: Some(Mode::CARRY),
+            velocity: Some(0.9),
+            acceleration: None,
+            tool_m_s: Some(0.25),
+            turn_deg_s: None,
+        };
+        let paces = words(&["0.1"], &["0.05"]).after(&[stated]).paces(None).unwrap();
+        let slow = SpeedLimits { velocity: 0.1, tool_m_s: Some(0.05), ..SpeedLimits::default() };
+        assert_eq!(paces.of(Mode::CARRY), slow);
+    }
+
+    #[test]
     fn what_is_no_limit_is_refused_by_its_word() {
         for value in ["0", "1.5", "nan", "carry=-1"] {
             let fault = words(&[value], &[]).paces(None).unwrap_err().to_string();

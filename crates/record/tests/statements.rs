@@ -159,6 +159,23 @@ fn invented_bounds_are_false() {
     assert_eq!(keys(&reach, "hold_demanded", (&reach_source, &reaching)), ["statement"]);
 }
 
+/// A demanded hold is measured without a stated factor, and counts in a scenario of another name.
+#[test]
+fn a_demanded_hold_is_measured() {
+    let (problem, source, plan) = planned("012", carry());
+    let elsewhere = PlanSource { scenario: "a copy".to_owned(), ..source.clone() };
+    let mut plan = changed(&plan, "/hold", Value::Null);
+    for (demanded, is_met) in [(0.1, true), (50.0, false)] {
+        plan["hold_demanded"] = json!(demanded);
+        for source in [&source, &elsewhere] {
+            let judged =
+                read(&plan).unwrap().judge(source, &problem, AuditSettings::default()).unwrap().unwrap();
+            assert_eq!(judged.audit.valid, is_met, "{demanded} in {}", source.scenario);
+            assert_eq!(judged.demanded.hold, Some(demanded));
+        }
+    }
+}
+
 /// A bound larger than the measured one is not proven, even by the smallest amount.
 #[test]
 fn a_bound_holds_to_the_last_digit() {

@@ -205,7 +205,7 @@ pub enum ScenarioError {
         /// Number of objects.
         actual: usize,
     },
-    /// A name is empty, or has a line break or another control character.
+    /// A name is empty, or has a line break.
     #[error("{at}: {name:?} is not a name (give one or more visible characters in one line)")]
     UnreadableName {
         /// Location of the name.

@@ -106,7 +106,7 @@ fn clouds_that_are_no_obstacles_are_refused_with_their_line() {
         ("obstacles: [{shapes: []}]\n".to_owned(), "missing field `name`"),
         (
             "obstacles: [{name: a, shapes: [], radius_m: 0.1}]\n".to_owned(),
-            "`radius_m` and `voxel_m` of a body need `cloud: FILE`",
+            "`radius_m`, `voxel_m` and `colour` of a body need `cloud: FILE`",
         ),
         (
             "obstacles: [{name: a, shapes: [], cloud: shelf.pcd, radius_m: 0.1}]\n".to_owned(),

@@ -41,6 +41,22 @@ fn everything_that_a_file_says_stands_in_the_planning_frame() {
 }
 
 #[test]
+fn exempt_pairs_are_written_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let original = Scenario::open("021", &OpenOptions::default()).unwrap();
+    let [first, second] = [folder.path().join("first"), folder.path().join("second")];
+    original.write_folder(&first).unwrap();
+    let file = first.join("scenario.yaml");
+    let pairs = "unchecked_pairs: [[\"panda_hand\",\"panda_link5\"]]\n";
+    std::fs::write(&file, std::fs::read_to_string(&file).unwrap() + pairs).unwrap();
+    let scenario = Scenario::open(first.to_str().unwrap(), &OpenOptions::default()).unwrap();
+    scenario.write_folder(&second).unwrap();
+    assert!(std::fs::read_to_string(second.join("scenario.yaml")).unwrap().contains(pairs));
+    let again = Scenario::open(second.to_str().unwrap(), &OpenOptions::default()).unwrap();
+    assert_eq!(again.robot_source, scenario.robot_source);
+}
+
+#[test]
 fn the_files_criterion_holds_unless_another_is_asked_for() {
     let scenario = Scenario::open(&corner(), &OpenOptions::default()).unwrap();
     assert_eq!(scenario.problem(Margins::default()).unwrap().criterion(), Criterion::Paper);

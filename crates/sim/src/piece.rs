@@ -154,3 +154,37 @@ fn coarse_hull(solid: &Solid) -> Option<TriangleSoup> {
 
 /// Maximum error of a simplified hull, in metres: a tenth of the tolerance of a result.
 const BULGE_M: f64 = 1e-4;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns least and greatest distance of a piece along y.
+    fn along_y(piece: &Piece) -> [f64; 2] {
+        let surface = piece.shape.surface().expect("bounded");
+        let along = surface.vertices.iter().map(|vertex| (piece.body_from_piece * vertex).y);
+        along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], y| [low.min(y), high.max(y)])
+    }
+
+    #[test]
+    fn the_back_of_a_thinned_piece_stays() {
+        let corners =
+            Solid::cuboid(Vector::new(0.01, 0.007, 0.02)).expect("a box").tessellation().expect("a surface");
+        let shapes =
+            [PieceShape::Cuboid([0.01, 0.007, 0.02]), PieceShape::Hull(corners), PieceShape::Ball(0.007)];
+        for shape in shapes {
+            let piece = Piece { body_from_piece: Pose::translation(0.0, 0.04, 0.01), shape };
+            let [front_m, back_m] = along_y(&piece);
+            for (least_m, most_m, moved_m) in
+                [(0.038, 0.005, 0.005), (0.035, 0.005, 0.002), (0.02, 0.005, 0.0)]
+            {
+                let [thin_m, same_m] = along_y(&piece.thinned(&Vector::y(), least_m, most_m));
+                assert!((same_m - back_m).abs() < 1e-4, "{piece:?}: back at {same_m}, not {back_m}");
+                assert!(
+                    (thin_m - front_m - moved_m).abs() < 1e-4,
+                    "{piece:?}: front at {thin_m}, {front_m} + {moved_m}"
+                );
+            }
+        }
+    }
+}

@@ -30,6 +30,7 @@ pub fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
         let faults = crate::start::faults(&problem);
         problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
         problems.extend(scenario.misplaced_grasps());
+        notes.extend(scenario.blind_views());
         match scenario.mismatched_loads() {
             Ok(fault) => problems.extend(fault),
             Err(note) => notes.push(note),

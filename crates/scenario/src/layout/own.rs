@@ -197,7 +197,7 @@ impl Layout<'_> {
         taken: &mut HashSet<&'b str>,
     ) -> Result<(), ScenarioError> {
         let name = &entry.name.value;
-        if name.trim().is_empty() || name.chars().any(char::is_control) {
+        if name.trim().is_empty() || name.contains(['\n', '\r']) {
             return Err(ScenarioError::UnreadableName {
                 at: self.at(entry.name.referenced),
                 name: name.clone(),
