@@ -36,7 +36,7 @@ fn the_hash_is_sha_256() {
 #[test]
 fn a_certificate_that_holds_is_accepted() {
     let found = check(SLIDE).unwrap();
-    assert_eq!(found[1..3], ["paths 1, of 1 pieces", "pairs 8, at least 0.00001 m apart"]);
+    assert_eq!(found[1..3], ["paths 1, of 1 pieces", "pairs 8, at least 0.00001 m apart but for `keep`"]);
     assert_eq!(found[3..5], ["keep cart floor 0.02", "skip cart arm adjacent-touching"]);
     assert!(found[5].starts_with("goal end 0.5 0 0 ") && found.len() == 6, "{found:?}");
 }
@@ -44,7 +44,7 @@ fn a_certificate_that_holds_is_accepted() {
 #[test]
 fn the_certificate_of_an_arm_is_accepted_and_not_for_a_greater_distance() {
     let found = check(ARM).unwrap();
-    assert_eq!(found[1..3], ["paths 2, of 5 pieces", "pairs 88, at least 0.00001 m apart"]);
+    assert_eq!(found[1..3], ["paths 2, of 5 pieces", "pairs 88, at least 0.00001 m apart but for `keep`"]);
     let more = with_hash(&ARM.replacen("margin 1e-05", "margin 0.01", 1)).unwrap();
     assert!(reason(&more).contains("apart"));
 }
