@@ -57,7 +57,7 @@ pub struct Answer {
     pub shortening: Option<Shortening>,
     /// Optimisation of the path after the first search, if done.
     pub optimisation: Option<Optimisation>,
-    /// Statistics of the search over all stages; for a single stage only those of the first search, even if others followed.
+    /// Statistics of the first search, over all its stages; those of other seeds that followed are not counted.
     pub statistics: Statistics,
     /// Reason for the failure of each grasp, from a planner that records them; empty if solved.
     pub failures: Vec<GraspFailure>,
