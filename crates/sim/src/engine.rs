@@ -16,7 +16,7 @@ use rapier3d_f64::prelude::{
 
 use crate::bounding_ball::{BoundingBall, PREDICTION_M};
 use crate::contact_patch::ContactPatch;
-use crate::{Physics, Piece, PieceShape, SimError};
+use crate::{Physics, Piece, PieceShape, SimError, polyhedron};
 
 /// Collision groups: hand, object and surroundings each do not collide with themselves. The front of
 /// a finger with a pad meets the surroundings, and its back, behind the springs of the pad, the object.
@@ -148,7 +148,7 @@ fn shape(piece: &Piece) -> Option<(RapierPose, SharedShape)> {
         PieceShape::Cylinder(half_m, radius_m) => (along_z, SharedShape::cylinder(*half_m, *radius_m)),
         PieceShape::Hull(hull) => {
             let corners: Vec<RapierVector> = hull.vertices.iter().map(|p| vector(&p.coords)).collect();
-            (place, SharedShape::convex_hull(&corners)?)
+            (place, polyhedron::convex_hull(&corners)?)
         }
         PieceShape::HalfSpace => (place, SharedShape::halfspace(RapierVector::Z)),
     })

@@ -17,6 +17,7 @@ mod pad_tests;
 mod physics;
 mod piece;
 mod plans;
+mod polyhedron;
 mod recording;
 mod rest;
 mod rolling;
