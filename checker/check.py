@@ -5,6 +5,7 @@ Whole numbers and fractions alone, from the standard library. It shares no code 
 """
 
 import hashlib
+import os
 import re
 import sys
 from fractions import Fraction
@@ -13,12 +14,13 @@ from math import isqrt
 S = 96  # (1) Ends of intervals are whole multiples of 2^-96.
 ONE = 1 << S
 HALF, ZERO, UNIT = (ONE // 2, ONE // 2), (0, 0), (ONE, ONE)
-LARGEST, MOST_HALVINGS, MOST_WORK = 10**6, 96, 20_000_000
+LARGEST, MOST_HALVINGS, MOST_POINTS, MOST_WORK = 10**6, 96, 100, 1_000_000_000
 SIZES = {"box": 3, "ball": 1, "capsule": 2, "cylinder": 2, "half": 0, "hull": 1, "mesh": 0}
 
-
+WORD, WHOLE = re.compile("[!-~]+"), re.compile("0|[1-9][0-9]{0,8}")
 NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.ASCII | re.IGNORECASE)
-PLANE = re.compile(r"-?[0-9]{1,5},-?[0-9]{1,5},-?[0-9]{1,5}", re.ASCII)
+PLANE = re.compile(",".join(["(0|-?[1-9][0-9]{0,4})"] * 3))
+USAGE, spent = "usage: check.py FILE", 0
 
 
 class Refused(Exception):
@@ -28,6 +30,13 @@ class Refused(Exception):
 def unless(holds, reason):
     if not holds:
         raise Refused(reason)
+
+
+def spend(work):
+    """Counts work, in units of about half a microsecond, and fails beyond the limit."""
+    global spent
+    spent += work
+    unless(spent <= MOST_WORK, "more work than a certificate may take")
 
 
 # (1) Intervals: pairs of whole numbers, rounded outwards.
@@ -70,8 +79,7 @@ def mag(a):
 
 
 def root(a):
-    low, high = isqrt(max(a[0], 0) << S), isqrt(max(a[1], 0) << S)
-    return (low, high + 1)
+    return (isqrt(max(a[0], 0) << S), isqrt(max(a[1], 0) << S) + 1)
 
 
 def square(a):
@@ -85,7 +93,8 @@ def total(values):
 
 
 def dot(a, b):
-    return total(mul(x, y) for x, y in zip(a, b))
+    x, y, z = map(mul, a, b)
+    return (x[0] + y[0] + z[0], x[1] + y[1] + z[1])
 
 
 def cross(a, b):
@@ -140,8 +149,8 @@ QUARTER = (machin(128) // 2 - (1 << 20)) >> 32, ((machin(128) // 2 + (1 << 20)) 
 
 def sin_cos(x):
     """(2) Encloses sine and cosine: k quarter turns and the rest r, whose series alternates."""
+    spend(400)
     k = round(Fraction(x[0] + x[1], 2 * QUARTER[0]))
-    unless(abs(k) <= 1 << 20, "an angle that is too large")
     r = (x[0] - max(k * QUARTER[0], k * QUARTER[1]), x[1] - min(k * QUARTER[0], k * QUARTER[1]))
     unless(mag(r)[1] < ONE, "an angle that is too wide")
     values = []
@@ -167,35 +176,36 @@ def number(word):
     return Fraction(x)
 
 
-def numbers(words, count):
+def numbers(words, count, least=-LARGEST):
     unless(len(words) == count, f"{count} numbers are expected")
-    return [number(word) for word in words]
-
-
-def sizes(words, count):
-    found = numbers(words, count)
-    unless(all(size >= 0 for size in found), "a size is not negative")
+    found = [number(word) for word in words]
+    unless(all(x >= least for x in found), "a size is not negative")
     return found
 
 
 def index(word, below):
-    unless(len(word) <= 9 and word.isascii() and word.isdigit() and int(word) < below, "an index out of range")
+    unless(WHOLE.fullmatch(word) and int(word) < below, "an index out of range")
     return int(word)
+
+
+def has_size(values):
+    """Checks the greatest number of a quaternion or a direction."""
+    unless(0.001 <= max(map(abs, values)) <= 1000, "a quaternion or a direction that is too short or too long")
 
 
 def unit(words):
     """Returns the unit vector of a direction."""
-    axis = [exact(x) for x in numbers(words, 3)]
-    long = length(axis)
-    unless(long[0] * 1000 > ONE and long[1] < 1000 * ONE, "an axis has a length near 1")
-    return [over(x, long) for x in axis]
+    has_size(values := numbers(words, 3))
+    axis = [exact(x) for x in values]
+    return [over(x, length(axis)) for x in axis]
 
 
 def pose(words):
     """Returns rotation and translation of x y z qw qx qy qz; the quaternion is scaled to length 1."""
     x, y, z, w, a, b, c = numbers(words, 7)
+    spend(400)
+    has_size((w, a, b, c))
     s = w * w + a * a + b * b + c * c
-    unless(Fraction(1, 10**6) < s < 10**6, "a quaternion has a length near 1")
     rows = [
         [1 - 2 * (b * b + c * c) / s, 2 * (a * b - c * w) / s, 2 * (a * c + b * w) / s],
         [2 * (a * b + c * w) / s, 1 - 2 * (a * a + c * c) / s, 2 * (b * c - a * w) / s],
@@ -217,7 +227,7 @@ class Solid:
     def __init__(self, lines):
         self.kind, self.points, self.faces = lines.kind(), [], []
         words = lines.read(self.kind)
-        self.pose, self.sizes = pose(words[:7]), [exact(x) for x in sizes(words[7:], SIZES[self.kind])]
+        self.pose, self.sizes = pose(words[:7]), [exact(x) for x in numbers(words[7:], SIZES[self.kind], 0)]
         self.inverse = transposed(self.pose[0])
         while lines.kind() == "v" and self.kind in ("hull", "mesh"):
             self.points.append([exact(x)[0] for x in numbers(lines.read("v"), 3)])
@@ -233,6 +243,7 @@ class Solid:
 
     def support(self, n, faces):
         """(4) Returns an upper bound of n·p over the solid, or these faces."""
+        spend(100)
         m = times(self.inverse, n)
         base, h = dot(n, self.pose[1])[1], self.sizes
         if self.kind == "box":
@@ -244,6 +255,7 @@ class Solid:
         points = self.points
         if faces != (0, len(self.faces)):
             points = [points[i] for i in {i for face in self.faces[faces[0] : faces[1]] for i in face}]
+        spend(2 * len(points))
         middle = [(x[0] + x[1]) // 2 for x in m]
         a, b, c = middle
         far = max(a * p[0] + b * p[1] + c * p[2] for p in points)
@@ -261,9 +273,6 @@ class Object:
 
     def span(self, begin, end):
         return (begin, end, 0, len(self.solids[begin].faces) if end == begin + 1 else 0)
-
-    def whole(self):
-        return self.span(0, len(self.solids))
 
     def halves(self, span):
         begin, end, first, last = span
@@ -295,7 +304,8 @@ class Lines:
 
     def __init__(self, text):
         self.lines, self.at, self.number = text.split("\n"), 0, 1
-        self.lines[-1] = ""  # What follows the last line feed is no line.
+        # What follows the last line feed is no line; `check` refuses a second empty one.
+        self.lines[-1:] = ["", ""] if self.lines[-1] else [""]
 
     def kind(self):
         return self.lines[self.at].split(" ")[0]
@@ -305,7 +315,9 @@ class Lines:
         self.number = self.at + 1
         first, *words = self.lines[self.at].split(" ")
         unless(first == kind != "", f"a line `{kind}` is missing here, or this one is of no known kind")
-        unless(all(words) and count in (None, len(words)), "a count of words that is not expected")
+        is_usual = all(map(WORD.fullmatch, words)) and count in (None, len(words))
+        unless(is_usual, "a count of words that is not expected, or one not of printable ASCII characters")
+        spend(20 + 10 * len(words))
         self.at += 1
         return words
 
@@ -322,8 +334,9 @@ class Scene:
             self.joints.append((name, *numbers(limits, 2)))
         while lines.kind() in ("link", "body"):
             self.read_object(lines)
+        unless(len({known.name for known in self.objects}) == len(self.objects), "two objects have the same name")
         self.margin_word = lines.read("margin", 1)
-        (self.margin,) = sizes(self.margin_word, 1)
+        (self.margin,) = numbers(self.margin_word, 1, 0)
         while lines.kind() in ("keep", "skip"):
             self.read_exception(lines.kind(), *lines.read(lines.kind(), 3))
         while lines.kind() in ("cone", "inside", "near"):
@@ -361,8 +374,10 @@ class Scene:
         link.pose = pose(rest[:7])
         if rest[7:] != ("fixed",):
             unless(len(rest) == 14 and rest[7] in ("turn", "slide"), "a motion that is none")
-            factor, offset = [exact(x) for x in numbers(rest[9:11], 2)]
-            link.motion = (rest[7] == "turn", index(rest[8], len(self.joints)), factor, offset, unit(rest[11:]))
+            joint, (factor, offset) = index(rest[8], len(self.joints)), map(float, numbers(rest[9:11], 2))
+            most = max(abs(factor * float(limit)) for limit in self.joints[joint][1:]) + abs(offset)
+            unless(most <= LARGEST, "a link can turn or slide too far")
+            link.motion = (rest[7] == "turn", joint, exact(factor), exact(offset), unit(rest[11:]))
         return link
 
     def read_exception(self, kind, a, b, last):
@@ -379,14 +394,12 @@ class Scene:
         if kind == "inside":
             place, half = pose(rest[3:10]), [exact(x)[0] for x in numbers(rest[10:], 3)]
         else:
-            (radius,) = sizes(rest[6:], 1)
+            (radius,) = numbers(rest[6:], 1, 0)
             place = IDENTITY[0], [exact(x) for x in numbers(rest[3:6], 3)]
             if kind == "cone":
-                unless(radius <= Fraction(31, 10), "an angle out of range")
+                unless(radius <= Fraction(3.1), "an angle out of range")
                 point, place = unit(rest[:3]), (IDENTITY[0], unit(rest[3:6]))
-                radius = 2 * sin_cos(exact(radius / 2))[0][0]
-            else:
-                radius = exact(radius)[0]
+            radius = 2 * sin_cos(exact(radius / 2))[0][0] if kind == "cone" else exact(radius)[0]
         self.bounds.append((of, kind == "cone", point, place, half, radius))
         self.rules.append(" ".join([kind, name, self.objects[of].name, *rest]))
 
@@ -395,6 +408,7 @@ class Scene:
         while at is not None and at != top:
             chain.append(at)
             at = self.objects[at].parent
+        spend(2 + len(chain) // 4)
         return chain[::-1]
 
     def list_pairs(self):
@@ -427,6 +441,7 @@ class Scene:
 
 
 def halves(curve):
+    spend(2 * len(curve) ** 2 * len(curve[0]))
     first, second = [curve[0]], [curve[-1]]
     while len(curve) > 1:
         curve = [[mul(add(x, y), HALF) for x, y in zip(a, b)] for a, b in zip(curve, curve[1:])]
@@ -452,6 +467,7 @@ class Moment:
     @staticmethod
     def local(link, q):
         """(3) Returns the pose of a link in its parent."""
+        spend(200)
         if not link.motion:
             return link.pose
         turns, joint, factor, offset, axis = link.motion
@@ -473,6 +489,7 @@ class Moved:
         self.object, self.span, self.pose = scene.objects[of], span, IDENTITY
         joints, before = [], 0
         for i in scene.chain(top, of):
+            spend(200)
             self.pose = after(self.pose, moment.links[i])
             if scene.objects[i].motion:
                 turns, joint, factor, _, axis = scene.objects[i].motion
@@ -515,20 +532,18 @@ class Piece:
     """A piece of a path, with its proofs."""
 
     def __init__(self, scene, points, outside):
-        self.scene, self.outside, self.moments, self.work = scene, outside, {}, 0
+        self.scene, self.outside, self.moments = scene, outside, {}
         self.curve = [[exact(x) for x in q] for q in points]
 
     def leaves(self, a, b, marks):
         """(8) Walks through a tree in prefix order: yields each leaf with its moment and the parts of both objects."""
         objects = self.scene.objects[a], self.scene.objects[b]
-        size = sum(len(solid.points) + len(solid.faces) + 100 for known in objects for solid in known.solids)
-        stack, marks = [(self.curve, "", objects[0].whole(), objects[1].whole(), 0)], iter(marks)
+        whole = [known.span(0, len(known.solids)) for known in objects]
+        stack, marks = [(self.curve, "", *whole, 0)], iter(marks)
         while stack:
             curve, time, of_a, of_b, depth = stack.pop()
             mark = next(marks, None)
-            unless(mark is not None and depth < MOST_HALVINGS, "a mark is missing, or too many halvings")
-            self.work += size + len(self.scene.objects)
-            unless(self.work <= MOST_WORK, "more work than a piece may take")
+            unless(mark is not None and depth <= MOST_HALVINGS, "a mark is missing, or too many halvings")
             if mark == "h":
                 first, second = halves(curve)
                 stack += [(second, time + "1", of_a, of_b, depth + 1), (first, time + "0", of_a, of_b, depth + 1)]
@@ -553,6 +568,7 @@ class Piece:
             unless(margin >= 0 or whole, "an allowed overlap needs planes for whole meshes")
             self.separates(pair, moment, of_a, of_b, None if mark == "=" else plane)
             if whole:
+                spend((of_a[1] - of_a[0]) * (of_b[1] - of_b[0]))
                 self.outside |= {(a, b, i, j) for i in range(*of_a[:2]) for j in range(*of_b[:2])}
 
     def separates(self, pair, moment, of_a, of_b, n):
@@ -598,6 +614,7 @@ def check_path(lines, scene):
         points = []
         while len(points) < 2 or lines.kind() == "q":
             points.append(numbers(lines.read("q"), len(scene.joints)))
+            unless(len(points) <= MOST_POINTS, "more control points than a piece may have")
             unless(all(a <= x <= b for (_, a, b), x in zip(scene.joints, points[-1])), "a joint is outside its limits")
         from_, tolerance = (scene.start, Fraction(1e-5)) if end is None else (end, 0)
         unless(all(abs(a - b) <= tolerance for a, b in zip(points[0], from_)), "the piece does not begin where the path is")
@@ -651,22 +668,24 @@ def check(lines):
     return found
 
 
-def main(arguments):
-    if len(arguments) != 2:
-        print("usage: check.py FILE", file=sys.stderr)
-        return 2
+def main(file):
+    """Returns an exit code and an answer."""
+    if file in ("-h", "--help"):
+        return 0, USAGE
     try:
-        with open(arguments[1], "rb") as file:
-            lines = Lines(file.read(64 << 20).decode())  # A longer file lacks its end.
-        print("certified", *check(lines), sep="\n  ")
-        return 0
+        with open(file, "rb") as certificate:
+            lines = Lines(certificate.read(64 << 20).decode())  # A longer file lacks its end.
+        return 0, "\n  ".join(["certified", *check(lines)])
     except Refused as fault:
-        print(f"not certified: {arguments[1]}:{lines.number}: {fault}")
-        return 1
+        return 1, f"not certified: {file}:{lines.number}: {fault}"
     except (OSError, UnicodeDecodeError) as fault:
-        print(f"{arguments[1]}: {fault}", file=sys.stderr)
-        return 2
+        return 2, f"{file}: {fault}"
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv))
+    code, answer = main(sys.argv[1]) if len(sys.argv) == 2 else (2, USAGE)
+    try:
+        print(answer, file=sys.stderr if code == 2 else sys.stdout, flush=True)
+    except BrokenPipeError:  # The reader is gone. Python writes what is left at its end, so that must go elsewhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    sys.exit(code)

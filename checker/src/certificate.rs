@@ -11,6 +11,9 @@ const START_TOLERANCE: f64 = 1e-5;
 const GOAL_TOLERANCE_M: f64 = 1e-3;
 const GOAL_TRACE: f64 = 2.999695390312783;
 
+/// Maximum number of control points of a piece.
+const MOST_POINTS: usize = 100;
+
 /// Checks a certificate: returns in lines what it has shown of each scene.
 ///
 /// # Errors
@@ -62,6 +65,7 @@ fn path(lines: &mut Lines<'_>, scene: &Scene<'_>, ledger: &mut Ledger) -> Checke
             let is_within = |((_, [lower, upper]), x): (&(_, [f64; 2]), &f64)| lower <= x && x <= upper;
             unless(scene.joints.iter().zip(&q).all(is_within), "a joint is outside its limits (5)")?;
             points.push(q);
+            unless(points.len() <= MOST_POINTS, "more control points than a piece may have")?;
         }
         // A piece begins where the one before it ends, and the first one at the start (10).
         let (from, tolerance) = end.as_ref().map_or((&scene.start, START_TOLERANCE), |end| (end, 0.0));

@@ -87,12 +87,8 @@ impl Interval {
         let half_width = (self - point(x)).magnitude().hi;
         let sine = (r * nested(3, 15)).widened(6e-17).widened(half_width);
         let cosine = nested(2, 16).widened(3e-18).widened(half_width);
-        match k.rem_euclid(4.0) as u8 {
-            0 => [sine, cosine],
-            1 => [cosine, -sine],
-            2 => [-sine, -cosine],
-            _ => [-cosine, sine],
-        }
+        let by_quadrant = [[sine, cosine], [cosine, -sine], [-sine, -cosine], [-cosine, sine]];
+        by_quadrant[k.rem_euclid(4.0) as usize]
     }
 }
 

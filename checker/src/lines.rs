@@ -4,13 +4,19 @@ use super::interval::point;
 use super::scene::{Point, Pose, rotation};
 
 /// Greatest magnitude of a number.
-const LARGEST: f64 = 1e6;
+pub const LARGEST: f64 = 1e6;
 
 /// Result of a check: a value, or the reason why a line fails.
 pub type Checked<T = ()> = Result<T, String>;
 
 pub fn unless(holds: bool, reason: &str) -> Checked {
     if holds { Ok(()) } else { Err(reason.to_owned()) }
+}
+
+/// Checks the greatest number of a quaternion or a direction.
+pub fn has_size(numbers: &[f64]) -> Checked {
+    let most = numbers.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    unless((1e-3..=1e3).contains(&most), "a quaternion or a direction that is too short or too long")
 }
 
 /// Certificate that is read line by line, each word by word.
@@ -65,8 +71,9 @@ impl<'a> Lines<'a> {
     }
 
     pub fn word(&mut self) -> Checked<&'a str> {
-        let word = self.words.next().filter(|word| !word.is_empty());
-        word.ok_or_else(|| "a word, or mark, is missing".to_owned())
+        let is_word = |word: &&str| !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_graphic());
+        let reason = || "a word, or mark, is missing, or not of printable ASCII characters".to_owned();
+        self.words.next().filter(is_word).ok_or_else(reason)
     }
 
     pub fn number(&mut self) -> Checked<f64> {
@@ -90,16 +97,14 @@ impl<'a> Lines<'a> {
 
     pub fn index(&mut self, below: usize) -> Checked<usize> {
         let word = self.word()?;
-        let is_whole = word.len() <= 9 && word.bytes().all(|byte| byte.is_ascii_digit());
-        let index = word.parse().ok().filter(|index| *index < below && is_whole);
+        let index = word.parse().ok().filter(|index: &usize| *index < below && index.to_string() == word);
         index.ok_or_else(|| "an index out of range".to_owned())
     }
 
     pub fn pose(&mut self) -> Checked<Pose> {
         let translation = self.point()?.map(point);
         let quaternion = [self.number()?, self.number()?, self.number()?, self.number()?];
-        let square: f64 = quaternion.iter().map(|x| x * x).sum();
-        unless((1e-6..1e6).contains(&square), "a quaternion has a length near 1")?;
+        has_size(&quaternion)?;
         Ok(Pose { rotation: rotation(quaternion.map(point)), translation })
     }
 }

@@ -6,12 +6,18 @@ use std::process::ExitCode;
 /// Greatest size of a certificate, in bytes: a longer one is cut, so that its end is missing.
 const MOST_BYTES: u64 = 64 << 20;
 
+const USAGE: &str = "usage: cranny-check FILE [HASH…]   (HASH: that of a scene, if it is known)";
+
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let [file, hashes @ ..] = &words[..] else {
-        eprintln!("usage: cranny-check FILE [HASH…]   (HASH: that of a scene, if it is known)");
+        eprintln!("{USAGE}");
         return ExitCode::from(2);
     };
+    if file == "-h" || file == "--help" {
+        let _ = writeln!(std::io::stdout(), "{USAGE}");
+        return ExitCode::SUCCESS;
+    }
     let mut text = String::new();
     let read = std::fs::File::open(file).and_then(|open| open.take(MOST_BYTES).read_to_string(&mut text));
     if let Err(reason) = read {

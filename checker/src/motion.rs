@@ -55,8 +55,7 @@ impl<'a> Moment<'a> {
         let steps = differences(curve);
         let bends = differences(&steps);
         let rates = &differences(&[left[degree - 1].clone(), right[1].clone()])[0];
-        let most =
-            |rows: &Curve, joint: usize| rows.iter().fold(ZERO, |most, row| most.max(row[joint].magnitude()));
+        let most = |rows: &Curve, j: usize| rows.iter().fold(ZERO, |most, row| most.max(row[j].magnitude()));
         let factor = point(degree as f64);
         let joint = |j: usize| {
             let bend = factor * (factor - ONE) * most(&bends, j);

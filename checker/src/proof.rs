@@ -98,11 +98,11 @@ impl<'a> Piece<'a> {
         marks: &mut Lines<'_>,
         mut check_leaf: impl FnMut(&mut Self, &Node, &str) -> Checked,
     ) -> Checked {
-        let (spans, curve) = (objects.map(Object::whole), self.whole.clone());
-        let mut open = vec![Node { curve, number: 1, spans, halvings: 0 }];
+        let spans = objects.map(|object| object.span(0, object.solids.len()));
+        let mut open = vec![Node { curve: self.whole.clone(), number: 1, spans, halvings: 0 }];
         while let Some(node) = open.pop() {
+            unless(node.halvings <= MOST_HALVINGS, "too many halvings")?;
             let halvings = node.halvings + 1;
-            unless(halvings <= MOST_HALVINGS, "too many halvings")?;
             self.ledger.work(10)?;
             match marks.word()? {
                 "h" => {
@@ -169,9 +169,9 @@ impl<'a> Piece<'a> {
     }
 }
 
-/// Reads a plane: three whole numbers of 16 bits, not all zero.
+/// Reads a plane: three whole numbers of 16 bits, not all zero, each in its shortest form.
 fn normal(mark: &str) -> Option<Vector> {
-    let whole = |x: &str| x.parse().ok().filter(|_| !x.starts_with('+'));
+    let whole = |x: &str| x.parse().ok().filter(|number: &i16| number.to_string() == x);
     let n: Vec<i16> = mark.split(',').map(whole).collect::<Option<_>>()?;
     let n: [i16; 3] = n.try_into().ok()?;
     (n != [0; 3]).then(|| n.map(|x| point(f64::from(x))))

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::digest::sha256;
 use super::interval::{IDENTITY, Interval, Matrix, ONE, ORIGIN, Vector, length, point, scaled};
-use super::lines::{Checked, Lines, unless};
+use super::lines::{Checked, LARGEST, Lines, has_size, unless};
 use super::solid::{Object, Solid};
 
 /// Point or direction with given coordinates.
@@ -95,6 +95,8 @@ impl<'a> Scene<'a> {
         while lines.is("link") || lines.is("body") {
             scene.read_object(lines)?;
         }
+        let names: HashSet<&str> = scene.objects.iter().map(|object| object.name).collect();
+        unless(names.len() == scene.objects.len(), "two objects have the same name")?;
         scene.margin = lines.read("margin", Lines::size)?;
         while lines.is("keep") || lines.is("skip") {
             scene.read_exception(lines)?;
@@ -155,6 +157,8 @@ impl<'a> Scene<'a> {
         if kind != "fixed" {
             unless(kind == "turn" || kind == "slide", "a motion that is none")?;
             let (joint, factor, offset) = (line.index(self.joints.len())?, line.number()?, line.number()?);
+            let is_small = |limit: f64| (factor * limit).abs() + offset.abs() <= LARGEST;
+            unless(self.joints[joint].1.into_iter().all(is_small), "a link can turn or slide too far")?;
             let axis = unit(line.point()?.map(point))?;
             link.motion = Some(Motion { turns: kind == "turn", joint, factor, offset, axis });
         }
@@ -255,7 +259,5 @@ impl<'a> Scene<'a> {
 
 /// Returns the unit vector of this direction (3).
 fn unit(v: Vector) -> Checked<Vector> {
-    let long = length(v);
-    unless(long.lo > 1e-3 && long.hi < 1e3, "an axis has a length near 1")?;
-    Ok(scaled(v, ONE.over(long)))
+    has_size(&v.map(Interval::middle)).map(|()| scaled(v, ONE.over(length(v))))
 }

@@ -1,6 +1,6 @@
 //! Solids and objects of a certificate: their supports, and the parts into which they are divided.
 
-use super::interval::{Interval, Vector, ZERO, dot, length, point, transposed_times};
+use super::interval::{IDENTITY, Interval, Vector, ZERO, dot, length, point, scaled, transposed_times};
 use super::lines::{Checked, Lines, unless};
 use super::scene::{Motion, Point, Pose};
 
@@ -75,15 +75,10 @@ impl Solid {
         let is_empty = (kind == "hull" && count == 0) || (kind == "mesh" && solid.faces.is_empty());
         unless(!is_empty, "a hull without points, or a mesh without faces")?;
         solid.largest = [0, 1, 2].map(|i| solid.points.iter().fold(0.0, |most: f64, p| most.max(p[i].abs())));
-        let axis = |i: usize, sign: f64| std::array::from_fn(|j| if i == j { point(sign) } else { ZERO });
-        let corner =
-            |sign: f64| std::array::from_fn(|i| sign * solid.support(axis(i, sign), solid.all_faces()));
+        let along = |i: usize, sign| solid.support(scaled(IDENTITY[i], point(sign)), [0, solid.faces.len()]);
+        let corner = |sign: f64| std::array::from_fn(|i| sign * along(i, sign));
         solid.corners = [corner(-1.0), corner(1.0)];
         Ok(Some(solid))
-    }
-
-    fn all_faces(&self) -> [usize; 2] {
-        [0, self.faces.len()]
     }
 
     /// Returns an upper bound of the greatest n·p over the solid, or these faces of it, in the frame of the object (4).
@@ -96,7 +91,7 @@ impl Solid {
         let round = disc + length(m) * point(self.ball);
         let center = dot(n, self.pose.translation) + dot(m.map(Interval::magnitude), self.half.map(point));
         let corners = self.faces[faces[0]..faces[1]].iter().flatten();
-        let farthest = if faces == self.all_faces() {
+        let farthest = if faces == [0, self.faces.len()] {
             self.farthest(m, self.points.iter())
         } else {
             self.farthest(m, corners.map(|index| &self.points[*index]))
@@ -118,12 +113,9 @@ impl Solid {
 }
 
 impl Object<'_> {
-    pub fn whole(&self) -> Span {
-        self.span(0, self.solids.len())
-    }
-
-    fn span(&self, begin: usize, end: usize) -> Span {
-        let faces = if end == begin + 1 { self.solids[begin].all_faces() } else { [0, 0] };
+    /// Returns these consecutive solids.
+    pub fn span(&self, begin: usize, end: usize) -> Span {
+        let faces = if end == begin + 1 { [0, self.solids[begin].faces.len()] } else { [0, 0] };
         Span { solids: [begin, end], faces }
     }
 
@@ -152,7 +144,7 @@ impl Object<'_> {
     /// Returns an upper bound of the greatest n·p over the span, in the frame of the object (4).
     pub fn support(&self, span: Span, n: Vector) -> f64 {
         let [begin, end] = span.solids;
-        let faces = |solid: &Solid| if end == begin + 1 { span.faces } else { solid.all_faces() };
+        let faces = |solid: &Solid| if end == begin + 1 { span.faces } else { [0, solid.faces.len()] };
         let supports = self.solids[begin..end].iter().map(|solid| solid.support(n, faces(solid)));
         supports.fold(f64::NEG_INFINITY, |most, x| if x.is_nan() { f64::INFINITY } else { most.max(x) })
     }

@@ -1,5 +1,8 @@
 //! The checker accepts what holds, and refuses each kind of change of it, at the line of the change.
 
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
 use cranny_check::{check, sha256};
 
 const SLIDE: &str = include_str!("certificates/slide.cert");
@@ -259,5 +262,124 @@ fn bounds_are_checked() {
     // Proofs that are missing, of another bound, or too short.
     for proof in ["", "b 1 .\n", "b 0 h .\n", "b 0 . .\n", "b 0 ~\n"] {
         assert!(check(&bounded("near wrist 2 0 0 0 0 0 0 1", proof)).is_err(), "{proof}");
+    }
+}
+
+/// Runs the checker in Python on a certificate, or on nothing but an option, with a reader of its answer or without one.
+/// Returns its exit code, its answer and its complaints; `None` without Python.
+fn python(name: &str, text: &str, option: Option<&str>, is_read: bool) -> Option<(Option<i32>, [String; 2])> {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&file, text).unwrap();
+    let mut command = Command::new("python3");
+    command.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("check.py"));
+    command.arg(option.map_or(file, PathBuf::from)).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let Ok(mut child) = command.spawn() else {
+        eprintln!("SKIPPED: the checker in Python (no python3)");
+        return None;
+    };
+    if !is_read {
+        drop(child.stdout.take());
+    }
+    let output = child.wait_with_output().unwrap();
+    let texts = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+    Some((output.status.code(), texts))
+}
+
+/// Rules of the format at their limits: both checkers accept a certificate, or both refuse it.
+#[test]
+fn both_checkers_agree_at_the_limits() {
+    let cone = |angle: &str, proof: &str| {
+        let text = changed("start -0.5 0", &format!("cone level 2 1 0 0 1 0 0 {angle}\nstart -0.5 0"));
+        text.replacen("\nend\n", &format!("\n{proof}\nend\n"), 1)
+    };
+    let halved = |count: usize| {
+        let marks = format!("p 0 1 {}0,0,1{}", "h ".repeat(count), " ~".repeat(count));
+        changed("p 0 1 0,0,1", &marks)
+    };
+    let of_points = |count: usize| {
+        let share = |i: usize| i as f64 / (count - 1) as f64;
+        let points: Vec<String> =
+            (0..count).map(|i| format!("q {} {}", share(i) - 0.5, 0.5 * share(i))).collect();
+        changed("q -0.5 0\nq 0.5 0.5", &points.join("\n"))
+    };
+    let reason = |reason: &str| changed("1 2 adjacent-touching", &format!("1 2 {reason}"));
+    let axis = |z: &str| changed("turn 1 1 0 0 0 1", &format!("turn 1 1 0 0 0 {z}"));
+    let quaternion = |w: &str| changed("box 0 0.9 0 1 0", &format!("box 0 0.9 0 {w} 0"));
+    let cases = [
+        (true, cone("3.1", "b 0 .")),
+        (false, cone("3.1000000000000005", "b 0 .")),
+        // Whole numbers have one form each.
+        (false, cone("3", "b 00 .")),
+        (false, changed("p 0 1 0,0,1", "p 00 1 0,0,1")),
+        (false, changed("p 0 1 0,0,1", "p 0 1 0,0,000001")),
+        (false, changed("p 0 1 0,0,1", "p 0 1 0,-0,1")),
+        (false, changed("p 0 1 0,0,1", "p 0 1 0,0,+1")),
+        // Values of joints.
+        (true, changed("joint turn -3 3", "joint turn -3 1000000")),
+        (false, changed("turn 1 1 0 0 0 1", "turn 1 1 999998 0 0 1")),
+        (false, changed("slide 0 1 0 1 0 0", "slide 0 1 -999999.5 1 0 0")),
+        // Directions and quaternions.
+        (true, axis("0.001")),
+        (false, axis("0.00099999999999999")),
+        (true, axis("1000")),
+        (false, axis("1000.0000000000002")),
+        (true, quaternion("0.001")),
+        (false, quaternion("0.0009 0.0009")),
+        (false, quaternion("1001")),
+        // Words.
+        (true, reason("!~")),
+        (false, reason("\x1b[2K\x1b[1A")),
+        (false, reason("a\x7f")),
+        (false, reason("a\rb")),
+        (false, reason("a\u{a0}b")),
+        (false, reason("a\u{202e}b")),
+        (false, reason("größer")),
+        (false, changed("body wedge", "body wall")),
+        (false, changed("body wedge", "body cart")),
+        // Counts.
+        (true, of_points(100)),
+        (false, of_points(101)),
+        (true, halved(96)),
+        (false, halved(97)),
+        (false, SLIDE.to_owned() + "more"),
+    ];
+    for (holds, text) in cases {
+        let found = check(&text);
+        assert_eq!(found.is_ok(), holds, "{found:?}\n{text}");
+        if let Some((code, texts)) = python("limits.cert", &text, None, true) {
+            assert_eq!(code, Some(i32::from(!holds)), "{texts:?}\n{text}");
+        }
+    }
+}
+
+/// A cloud of 2000 balls, in a proof that halves it into 64 parts, is not too much work.
+#[test]
+fn clouds_are_checked_by_both() {
+    fn halved(depth: u32) -> String {
+        if depth == 0 { " ~".to_owned() } else { format!(" b{}", halved(depth - 1).repeat(2)) }
+    }
+    let balls: Vec<String> =
+        (0..2000).map(|i| format!("ball {} 0.9 0 1 0 0 0 0.05", f64::from(i) / 1000.0 - 1.0)).collect();
+    let text = changed("box 0 0.9 0 1 0 0 0 2 0.1 1", &balls.join("\n"));
+    let text = text.replacen("p 1 3 0,1,0", &format!("p 1 3{}", halved(6).replacen('~', "0,1,0", 1)), 1);
+    check(&text).unwrap();
+    if let Some((code, texts)) = python("cloud.cert", &text, None, true) {
+        assert_eq!(code, Some(0), "{texts:?}");
+    }
+}
+
+#[test]
+fn both_programs_have_a_usage_and_need_no_reader() {
+    for option in ["-h", "--help"] {
+        let output = Command::new(env!("CARGO_BIN_EXE_cranny-check")).arg(option).output().unwrap();
+        assert!(output.status.success() && output.stdout.starts_with(b"usage: "), "{output:?}");
+        if let Some((code, [answer, complaints])) = python("usage.cert", "", Some(option), true) {
+            assert!(code == Some(0) && answer.starts_with("usage: ") && complaints.is_empty());
+        }
+    }
+    for (text, expected) in [(SLIDE, 0), ("", 1)] {
+        if let Some((code, texts)) = python("unread.cert", text, None, false) {
+            assert_eq!((code, &texts[1][..]), (Some(expected), ""));
+        }
     }
 }

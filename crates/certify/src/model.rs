@@ -5,7 +5,7 @@ use cranny_robot::LinkMotion;
 
 use crate::link_bound::LinkBound;
 use crate::span::Object;
-use crate::word::word;
+use crate::word::object_words;
 
 /// Robot and world as a certificate has them: links, then bodies.
 pub(crate) struct Model {
@@ -40,19 +40,23 @@ impl Model {
         let parts: Vec<Vec<Option<Option<f64>>>> = (0..cell.parts().len()).map(of_part).collect();
         // No link is compared with a part of the body in the hand.
         let is_present = |part: &usize| parts[*part].iter().flatten().any(Option::is_some);
-        let motions = in_order(robot.link_motions(&cell.frames())).into_iter().enumerate();
+        // All bodies are named, also those that this scene lacks, so that they have the same names in each scene of a motion.
+        let link_names = robot.links().iter().map(|link| link.name.as_str());
+        let all = link_names.chain(cell.world().bodies().iter().map(|body| body.name.as_str()));
+        let mut names = object_words(all);
+        let body_names = names.split_off(links);
+        let motions = in_order(robot.link_motions(&cell.frames())).into_iter().enumerate().zip(names);
         let mut objects: Vec<Object> =
-            motions.map(|(link, motion)| Object::link(cell, link, motion)).collect();
+            motions.map(|((link, motion), name)| Object::link(cell, name, link, motion)).collect();
         // Parts of each object beyond the links.
         let mut bodies: Vec<usize> = Vec::new();
-        for (body, known) in cell.world().bodies().iter().enumerate() {
+        for (body, name) in body_names.iter().enumerate() {
             let own = (0..parts.len()).filter(|part| cell.parts()[*part].0 == body).filter(is_present);
             let own: Vec<usize> = own.collect();
             let is_alike = own.windows(2).all(|pair| parts[pair[0]] == parts[pair[1]]);
             let groups: Vec<&[usize]> = if is_alike { vec![&own[..]] } else { own.chunks(1).collect() };
             for (number, group) in groups.iter().enumerate().filter(|(_, group)| !group.is_empty()) {
-                let name =
-                    if is_alike { word(&known.name) } else { format!("{}/{number}", word(&known.name)) };
+                let name = if is_alike { name.clone() } else { format!("{name}/{number}") };
                 objects.push(Object::body(cell, name, group));
                 bodies.push(group[0]);
             }

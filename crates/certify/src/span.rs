@@ -3,8 +3,6 @@ use cranny_robot::LinkMotion;
 use cranny_shape::{Outline, Solid};
 use cranny_spatial::{Point, Pose, Vector};
 
-use crate::word::word;
-
 /// Solid as a certificate has it.
 pub(crate) struct PlacedSolid {
     pub pose: Pose,
@@ -120,11 +118,11 @@ impl PlacedSolid {
 }
 
 impl Object {
-    /// Returns a link of a cell, with its pose there.
-    pub fn link(cell: &Cell, link: usize, motion: LinkMotion) -> Self {
+    /// Returns a link of a cell under this name, with its pose there.
+    pub fn link(cell: &Cell, name: String, link: usize, motion: LinkMotion) -> Self {
         let solids =
             cell.solids_of(link).iter().map(|(pose, solid)| PlacedSolid::new(*pose, solid)).collect();
-        Self::ordered(word(&cell.robot().links()[link].name), Some(motion), solids)
+        Self::ordered(name, Some(motion), solids)
     }
 
     /// Returns an object of these parts of the world of a cell.
