@@ -6,6 +6,7 @@ use cranny_bench::statistics::{
     FiveNumbers, Followed, KaplanMeier, MeanSurvival, SampleMoments, TwoSampleTest, holm, least_p, log_rank,
     mean_rate, median_interval, performance_profiles, wilson,
 };
+use cranny_spatial::Stream;
 use proptest::prelude::*;
 use serde_json::Value;
 
@@ -437,6 +438,40 @@ fn the_mean_of_one_group_is_that_group_and_the_number_of_its_trials_gives_no_wei
         KaplanMeier::of(&[Followed { until: 0.1, solved: true }, Followed { until: 0.3, solved: true }]);
     let all = MeanSurvival::of(&[solved.clone(), placebo, solved]);
     assert_eq!(all.steps().last().map(|step| step.survival), Some(0.0));
+}
+
+/// Groups of known exponential times, of which one is far slower: the interval of the median must not end where the fast group
+/// is solved.
+#[test]
+fn the_interval_of_a_mean_median_keeps_its_level() {
+    for (runs, factors) in
+        [(8, vec![1.0, 30.0]), (6, vec![1.0, 100.0]), (8, vec![1.0, 3.0, 9.0, 27.0, 81.0, 243.0])]
+    {
+        let count = factors.len() as f64;
+        let survival = |t: f64| factors.iter().map(|factor| libm::exp(-t / factor)).sum::<f64>() / count;
+        let (mut low, mut high) = (0.0, 1e4);
+        for _ in 0..200 {
+            let middle = f64::midpoint(low, high);
+            if survival(middle) > 0.5 { low = middle } else { high = middle }
+        }
+        let mut random = Stream::new(7, runs);
+        let mut contained = 0;
+        for _ in 0..400 {
+            let group = |factor: &f64| {
+                let time = |_| Followed { until: -factor * libm::log(random.uniform()), solved: true };
+                KaplanMeier::of(&(0..runs).map(time).collect::<Vec<_>>())
+            };
+            let groups: Vec<KaplanMeier> = factors.iter().map(group).collect();
+            let mean = MeanSurvival::of(&groups);
+            let (from, to) = mean.median_interval();
+            contained += usize::from(from.is_some_and(|from| from <= low) && to.is_none_or(|to| to >= low));
+            let falls = |ends: [&cranny_bench::statistics::Interval; 2]| {
+                ends[1].low <= ends[0].low && ends[1].high <= ends[0].high
+            };
+            assert!(mean.steps().windows(2).all(|pair| falls([&pair[0].band, &pair[1].band])));
+        }
+        assert!(contained >= 368, "{contained} of 400 with {runs} runs and factors {factors:?}");
+    }
 }
 
 #[test]

@@ -165,11 +165,12 @@ fn check_stages(stages: &[Stage], segments: &[Segment]) -> Result<(), String> {
     let reach = [Stage::pick()];
     check_segments(if stages.is_empty() { &reach } else { stages }, segments)?;
     if stages.len() > 1 && segments.iter().all(|segment| segment.stage == 0) && !segments.is_empty() {
-        return Err(
-            "the path ends at the grasp, but the task continues with the target in the hand: answer with \
-             protocol 2 and segments `reach`, `lift-off`, `carry` and so on"
-                .to_owned(),
-        );
+        let modes: Vec<String> = segments.iter().map(|segment| format!("`{}`", segment.mode.name)).collect();
+        return Err(format!(
+            "the path has {} only, but the task continues with the target in the hand: answer with protocol 2 and \
+             segments `reach`, `lift-off`, `carry` and so on",
+            modes.join(", ")
+        ));
     }
     Ok(())
 }

@@ -122,13 +122,24 @@ fn other_problem(groups: &[Group]) -> Option<String> {
     })
 }
 
+/// Returns true for an outcome that a program can choose, before its limit and without a path.
+fn is_without_path(outcome: TrialOutcome) -> bool {
+    matches!(
+        outcome,
+        TrialOutcome::GaveUp
+            | TrialOutcome::NoReachableGrasp
+            | TrialOutcome::StartInvalid
+            | TrialOutcome::GoalsInvalid
+    )
+}
+
 /// Returns warnings for each planner about trials that count as unsolved up to their limit although their search did not show
 /// that they are.
 fn unsolved_for_other_reasons(groups: &[Group]) -> Vec<String> {
     type Kind = (fn(&StoredTrial) -> bool, &'static str);
     const KINDS: [Kind; 3] = [
         (
-            |trial| trial.record.outcome == TrialOutcome::GaveUp && !trial.record.trial.is_built_in(),
+            |trial| !trial.record.trial.is_built_in() && is_without_path(trial.record.outcome),
             "ended without a path before the time limit; whatever the program states about its iterations, they count as \
              unsolved up to the limit",
         ),

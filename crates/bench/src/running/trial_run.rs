@@ -117,10 +117,10 @@ pub fn run(
     };
     let word = audit.map_or_else(judged, Ok);
     judge::decide(&mut record, &mut path, &opened.problem, word);
-    if let (Some(other), Some(reach), false) = (other, segments.first(), path.is_empty()) {
+    let late_s = record.statistics.planning_time_s - trial.time_limit_s;
+    if let (Some(other), Some(reach), false) = (other, segments.first(), path.is_empty() || late_s > 0.0) {
         record.also_solved = judge::also_meets(&other.problem, &reach.waypoints, limits).ok();
     }
-    let late_s = record.statistics.planning_time_s - trial.time_limit_s;
     if record.is_solved() && late_s > 0.0 {
         record.outcome = TrialOutcome::BudgetExhausted;
         record.detail = Some(format!("a path came {late_s:.3} s after the limit"));

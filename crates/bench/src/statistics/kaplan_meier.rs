@@ -117,7 +117,7 @@ impl KaplanMeier {
 
 /// Computes the band `S^exp(±z √greenwood / |ln S|)`. Once all trials are solved, the variance is undefined, though a further
 /// trial might take longer: the upper end keeps its last value.
-pub(super) fn band(survival: f64, greenwood: f64, before: Option<Interval>) -> Interval {
+fn band(survival: f64, greenwood: f64, before: Option<Interval>) -> Interval {
     if greenwood.is_infinite() {
         return Interval { low: 0.0, high: before.map_or(1.0, |band| band.high) };
     }
