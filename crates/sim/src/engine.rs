@@ -1,5 +1,7 @@
 //! Conversions between `rapier`'s types and those of this project; worlds and colliders.
 
+mod polyhedron;
+
 use std::f64::consts::FRAC_PI_2;
 
 use cranny_shape::{ShapeError, TriangleSoup};
@@ -16,7 +18,7 @@ use rapier3d_f64::prelude::{
 
 use crate::bounding_ball::{BoundingBall, PREDICTION_M};
 use crate::contact_patch::ContactPatch;
-use crate::{Physics, Piece, PieceShape, SimError, polyhedron};
+use crate::{Physics, Piece, PieceShape, SimError};
 
 /// Collision groups: hand, object and surroundings each do not collide with themselves. The front of
 /// a finger with a pad meets the surroundings, and its back, behind the springs of the pad, the object.

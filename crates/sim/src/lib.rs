@@ -17,7 +17,6 @@ mod pad_tests;
 mod physics;
 mod piece;
 mod plans;
-mod polyhedron;
 mod recording;
 mod rest;
 mod rolling;
