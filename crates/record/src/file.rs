@@ -375,7 +375,7 @@ mod tests {
             }],
             failures: vec![GraspFailure {
                 grasp: 4,
-                reason: FailureReason::HandCollides { link: "hand".to_owned(), body: "table".to_owned() },
+                reason: FailureReason::NotConnected { goals: 2 },
                 attempts: 0,
             }],
             goal_faults: Vec::new(),

@@ -49,25 +49,28 @@ fn a_figure_beyond_what_is_measured_is_a_violation() {
     assert!(own.compared.contains(&"robustness") && own.not_compared.contains(&"seed"));
     let clearance_m = plan["clearance_m"].as_f64().unwrap();
     let base_m = plan["robustness"]["base"]["translation_m"].as_f64().unwrap() * 1.02;
-    let [false_mm, true_mm] = [1.02, 1.0].map(|share| format!("{:.2} mm", 1e3 * share * clearance_m));
+    let grasp = plan["grasp"].as_u64().unwrap();
     let duration_s = plan["timing"]["duration_s"].as_f64().unwrap();
     let least = plan["least_length"].as_f64().unwrap();
     for (pointer, value, says) in [
         ("/least_length", json!(1.02 * least), "least_length: the file states".to_owned()),
-        (
-            "/clearance_m",
-            json!(1.02 * clearance_m),
-            format!("clearance_m: the file states {false_mm}, measured {true_mm}"),
-        ),
+        ("/clearance_m", json!(1.02 * clearance_m), "clearance_m: the file states".to_owned()),
         (
             "/robustness/base/translation_m",
             json!(base_m),
-            format!("robustness.base.translation_m: the file states {:.2} mm", 1e3 * base_m),
+            "robustness.base.translation_m: the file states".to_owned(),
         ),
         ("/robustness/base", Value::Null, "robustness.base: the file states nothing".into()),
         ("/outcome", json!("gave-up"), "outcome: the file states \"gave-up\", measured \"solved\"".into()),
-        ("/path_length", json!(1.0), "path_length: the file states 1.00, measured 2.97".into()),
-        ("/grasp", json!(8), "grasp: the file states 8, measured 7".into()),
+        (
+            "/path_length",
+            json!(1.0),
+            format!(
+                "path_length: the file states 1.00, measured {:.2}",
+                plan["path_length"].as_f64().unwrap()
+            ),
+        ),
+        ("/grasp", json!(grasp + 1), format!("grasp: the file states {}, measured {grasp}", grasp + 1)),
         (
             "/timing/duration_s",
             json!(0.5),

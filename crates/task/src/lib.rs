@@ -15,7 +15,7 @@ pub use error::TaskError;
 pub use goal::Goal;
 pub use grasping::closing_hand::{ClosedHand, ClosingHand};
 pub use grasping::found_grasp::FoundGrasp;
-pub use grasping::grasp_failure::{FailureReason, GraspFailure};
+pub use grasping::grasp_failure::{FailureReason, GraspFailure, hand_collides};
 pub use grasping::grasp_filter::GraspFilter;
 pub use grasping::grasp_measure::GraspMeasure;
 pub use grasping::grasp_poses::{gripper_poses, open_gripper_poses};

@@ -7,6 +7,7 @@ use cranny_grasp::GraspSet;
 use cranny_scenario::BlockedGripperFrame;
 use cranny_task::{
     AnnotatedSolution, Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik,
+    hand_collides,
 };
 use serde::Serialize;
 
@@ -118,9 +119,7 @@ fn page(id: &str, annotations: &[IkAnnotation], solved: usize) -> String {
     for annotation in annotations {
         let reason = match &annotation.status {
             IkStatus::Solved => continue,
-            IkStatus::HandCollides { .. } => {
-                format!("the hand alone collides: {}", blocked_by(&annotation.status).unwrap_or_default())
-            }
+            IkStatus::HandCollides { link, body, is_proven } => hand_collides(link, body, *is_proven),
             IkStatus::OutOfReach { .. } => "out of reach from every position of the base".to_owned(),
             IkStatus::NoSolution { blocked: 0, .. } => {
                 format!("the arm did not reach the pose in {}", attempts(annotation))

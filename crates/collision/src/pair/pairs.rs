@@ -54,6 +54,7 @@ struct Moving {
     /// Index among the links with geometry.
     body: usize,
     is_of_hand: bool,
+    is_rigid_with_tip: bool,
     is_held: bool,
 }
 
@@ -96,8 +97,8 @@ pub(crate) struct PartPairs {
     pub begin: usize,
     /// Greatest distance that any of these pairs demands, in metres.
     pub required_m: f64,
-    /// True if the link belongs to the hand.
-    pub is_of_hand: bool,
+    /// True if no joint moves the link against the tip: the hand, and the link that carries it.
+    pub is_rigid_with_tip: bool,
 }
 
 impl Pairs {
@@ -114,6 +115,7 @@ impl Pairs {
         // Hand and wrist come first: they are the likeliest to touch.
         let moving = (0..bodies.len()).rev().filter(|&body| !robot.ancestors(bodies[body].link).is_empty());
         let is_of_hand = |body: usize| robot.hand_links().contains(&bodies[body].link);
+        let is_rigid = |body: usize| robot.ancestors(bodies[body].link) == robot.ancestors(robot.tip());
         let is_held = |body: usize| held.is_some_and(|held| held.link == bodies[body].link);
         let rule = |part: usize| {
             let body = parts[part].0;
@@ -137,7 +139,12 @@ impl Pairs {
         };
         let mut pairs = Self {
             moving: moving
-                .map(|body| Moving { body, is_of_hand: is_of_hand(body), is_held: is_held(body) })
+                .map(|body| Moving {
+                    body,
+                    is_of_hand: is_of_hand(body),
+                    is_rigid_with_tip: is_of_hand(body) || (!is_held(body) && is_rigid(body)),
+                    is_held: is_held(body),
+                })
                 .collect(),
             parts: tree.parts().iter().map(|&part| (part, rule(part))).collect(),
             links: link_pairs.into_iter().map(link_pair).collect(),
@@ -182,9 +189,9 @@ impl Pairs {
 
     /// Returns the pairs with parts of each moving link, in order.
     pub fn with_parts(&self) -> impl Iterator<Item = PartPairs> {
-        self.moving.iter().enumerate().map(|(index, &Moving { body, is_of_hand, .. })| {
+        self.moving.iter().enumerate().map(|(index, &Moving { body, is_of_hand, is_rigid_with_tip, .. })| {
             let required_m = self.greatest_m[usize::from(is_of_hand)];
-            PartPairs { body, begin: index * self.parts.len(), required_m, is_of_hand }
+            PartPairs { body, begin: index * self.parts.len(), required_m, is_rigid_with_tip }
         })
     }
 
@@ -192,7 +199,7 @@ impl Pairs {
         self.moving.len() * self.parts.len()
     }
 
-    fn with_part(&self, Moving { body, is_of_hand, is_held }: Moving, place: usize) -> Pair {
+    fn with_part(&self, Moving { body, is_of_hand, is_held, .. }: Moving, place: usize) -> Pair {
         let (part, rule) = self.parts[place];
         let required_m = if rule.is_held || (rule.is_spared && is_held) {
             NOTHING_M

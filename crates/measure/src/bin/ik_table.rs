@@ -19,9 +19,9 @@ fn main() {
         std::process::exit(2);
     }
     println!(
-        "| scenario | grasps | single shot | ms | restarts | ms | hand collides | arm collides | not reached | attempts | error mm | error ° | clearance mm |"
+        "| scenario | grasps | single shot | ms | restarts | ms | hand collides | arm collides | not reached | proven impossible | undecided | attempts | error mm | error ° | clearance mm |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     for id in &scenarios {
         let scenario = Scenario::open(id, &OpenOptions::default()).expect("a scenario");
         let problem = scenario.problem(Margins::default()).expect("a problem");
@@ -38,7 +38,7 @@ fn main() {
         let mut clearances: Vec<f64> = solutions.iter().map(|solution| solution.clearance_m * 1e3).collect();
         clearances.sort_by(f64::total_cmp);
         println!(
-            "| {} | {} | {} | {shot_ms:.1} | {} | {full_ms:.0} | {} | {} | {} | {} | {:.3} | {:.4} | {:.2} |",
+            "| {} | {} | {} | {shot_ms:.1} | {} | {full_ms:.0} | {} | {} | {} | {} | {} | {} | {:.3} | {:.4} | {:.2} |",
             scenario.id,
             grasps.len(),
             count(&shot, |status| *status == IkStatus::Solved),
@@ -46,6 +46,8 @@ fn main() {
             count(&full, |status| matches!(status, IkStatus::HandCollides { .. })),
             count(&full, |status| matches!(status, IkStatus::NoSolution { blocked: 1.., .. })),
             count(&full, |status| matches!(status, IkStatus::NoSolution { blocked: 0, .. })),
+            count(&full, IkStatus::is_proven_impossible),
+            count(&full, |status| *status != IkStatus::Solved && !status.is_proven_impossible()),
             full.iter().map(|annotation| annotation.attempts).sum::<usize>(),
             worst(|solution| solution.translation_error_m * 1e3),
             worst(|solution| solution.rotation_error_rad.to_degrees()),

@@ -3,7 +3,7 @@ use std::time::Instant;
 use cranny_collision::{Cell, Collider, Contact, Scratch};
 use cranny_grasp::GraspSet;
 use cranny_robot::{IK_BATCH, IkBatch, IkSettings, between};
-use cranny_spatial::{Pose, Stream};
+use cranny_spatial::{EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, Pose, Stream};
 use cranny_task::{FailureReason, Goal, GraspFailure, GraspFilter, Problem, Region, gripper_poses};
 
 use crate::search::grasp_source::GraspSource;
@@ -58,6 +58,8 @@ struct Record {
     goals: u64,
     hand_contacts: usize,
     hand_contact: Option<Contact>,
+    /// Poses of the grasp and of its twin at which the hand alone collides.
+    blocked_poses: Vec<Pose>,
     blocked: Vec<f64>,
     /// Reason for exclusion: from the beginning, or by the filter of the problem.
     excluded: Option<FailureReason>,
@@ -286,6 +288,9 @@ impl<'a> GoalPool<'a> {
                 let record = &mut self.records[grasp];
                 record.hand_contacts += 1;
                 record.hand_contact = Some(contact);
+                if self.source.is_none() {
+                    record.blocked_poses.push(pose);
+                }
                 self.poses.swap_remove(drawn);
             } else if let Some(reason) = self.filter.and_then(|filter| filter.fault_of(&pose)) {
                 self.records[grasp].excluded = Some(reason);
@@ -326,7 +331,11 @@ impl<'a> GoalPool<'a> {
             if self.source.is_some() { record.attempts == 0 } else { record.hand_contacts == 2 };
         if let Some(contact) = record.hand_contact.filter(|_| is_hand_blocked) {
             let [link, body] = contact.names(self.cell);
-            return FailureReason::HandCollides { link, body };
+            let is_blocked = |pose: &Pose| {
+                self.cell.hand_is_blocked_near(pose, (EXACT_TRANSLATION_M, EXACT_ROTATION_RAD), 1, scratch)
+            };
+            let is_proven = self.source.is_none() && record.blocked_poses.iter().all(is_blocked);
+            return FailureReason::HandCollides { link, body, is_proven };
         }
         if record.attempts == 0 {
             return FailureReason::NotTried;

@@ -80,12 +80,15 @@ pub enum FailureReason {
         /// Lower bound of the distance beyond reach, in metres.
         beyond_m: f64,
     },
-    /// The hand alone collides at the grasp and at its twin.
+    /// The hand, or the link that carries it, collides at the grasp and at its twin, whatever the arm does.
     HandCollides {
-        /// Name of the link of the hand.
+        /// Name of the link.
         link: String,
         /// Name of the body of the world.
         body: String,
+        /// True if it is proven that the hand touches the world at every pose within the tolerance of the grasp or of its twin.
+        #[serde(default)]
+        is_proven: bool,
     },
     /// No IK attempt converged to the pose.
     NoIk,
@@ -224,11 +227,28 @@ pub enum FailureReason {
 /// Tolerance on widths, in metres, because values in files are rounded.
 const WIDTH_TOLERANCE_M: f64 = 1e-9;
 
+/// Inaccuracy of the gap that the collision geometry leaves between closed pads, in metres.
+const CLOSED_GAP_OFF_M: f64 = 1e-3;
+
+/// Describes the contact of a hand at a grasp, whatever the arm does.
+pub fn hand_collides(link: &str, body: &str, is_proven: bool) -> String {
+    let certainty = if is_proven { "proven impossible" } else { "blocked at its exact pose" };
+    format!("{certainty}: whatever the arm does, {link} collides with {body}")
+}
+
 impl FailureReason {
-    /// Returns [`Self::TooWide`] for a grasp whose stated width exceeds the opening of the robot's hand.
+    /// Returns [`Self::TooWide`] for a grasp whose stated width exceeds the opening of the robot's hand, and
+    /// [`Self::ClosesOnNothing`] if it is less than the gap between its closed pads.
     pub fn of_width(robot: &Robot, grasp: &Grasp) -> Option<Self> {
-        let opening_m = robot.hand()?.description.opening_m;
-        let width_m = grasp.width_m.filter(|width_m| *width_m > opening_m + WIDTH_TOLERANCE_M)?;
+        let hand = robot.hand()?;
+        let opening_m = hand.description.opening_m;
+        let width_m = grasp.width_m?;
+        if opening_m > 0.0 && width_m < hand.pads.opening_m(1.0) - CLOSED_GAP_OFF_M {
+            return Some(Self::ClosesOnNothing);
+        }
+        if width_m <= opening_m + WIDTH_TOLERANCE_M {
+            return None;
+        }
         (opening_m > 0.0).then_some(Self::TooWide { width_m, opening_m })
     }
 
@@ -250,7 +270,7 @@ impl FailureReason {
             }
             // All distances share one sentence, because failures are counted by it.
             Self::OutOfReach { .. } => "out of reach from every position of the base".to_owned(),
-            Self::HandCollides { link, body } => format!("the hand alone collides: {link} against {body}"),
+            Self::HandCollides { link, body, is_proven } => hand_collides(link, body, *is_proven),
             Self::NoIk => "inverse kinematics found no solution".to_owned(),
             Self::ArmCollides { link, body } => {
                 format!("inverse kinematics found solutions, but {link} touched {body}")
