@@ -179,6 +179,20 @@ fn a_negative_result_is_a_response_with_the_code_of_moveit() {
     assert!(number == -12 && message.contains("crate"), "{number}: {message}");
     let (number, message) = code(&request(9.0, [2.0, 0.0, 0.0], [0.1; 3]));
     assert!(number == -27 && message.contains("fr3_joint1"), "{number}: {message}");
+    assert!(message.starts_with("every goal is beyond a joint limit"), "{message}");
+    // Path constraints that exclude the start, and the goal.
+    for (position, expected, subject) in [(0.4, -11, "the start"), (0.0, -13, "every goal")] {
+        let mut constrained = request(0.4, [2.0, 0.0, 0.0], [0.1; 3]);
+        constrained["motion_plan_request"]["path_constraints"] = json!({"joint_constraints": [{
+            "joint_name": JOINTS[0], "position": position, "tolerance_above": 0.1, "tolerance_below": 0.1,
+        }]});
+        let (number, message) = code(&constrained);
+        let is_told = message.starts_with(&format!("{subject} violates a path constraint: fr3_joint1 is "));
+        assert!(
+            number == expected && is_told && message.contains("the range of its path constraint"),
+            "{number}: {message}"
+        );
+    }
 }
 
 #[test]

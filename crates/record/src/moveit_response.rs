@@ -1,3 +1,4 @@
+use cranny_file::distinct;
 use cranny_plan::Outcome;
 use cranny_scenario::MoveItProblem;
 use cranny_solve::{Answer, TaskTrajectory};
@@ -58,7 +59,7 @@ pub(crate) fn response(
                 "points": if is_solved { points } else { Vec::new() },
             }},
             "planning_time": planning_time_s(answer),
-            "error_code": {"val": code_of(answer, &faults), "message": message(answer, &faults), "source": "cranny"},
+            "error_code": {"val": code_of(answer, asked, &faults), "message": message(answer, asked, &faults), "source": "cranny"},
         },
         "cranny": {
             "version": PlanFile::VERSION,
@@ -86,13 +87,45 @@ fn planning_time_s(answer: &Answer) -> f64 {
     answer.statistics.planning_time_s + others_s.into_iter().flatten().sum::<f64>()
 }
 
+/// Kinds of faults of a start or goal, for which MoveIt has different codes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Limit,
+    Constraint,
+    Contact,
+}
+
+impl Kind {
+    fn of(asked: &MoveItProblem, fault: &ConfigurationFault) -> Self {
+        match fault {
+            ConfigurationFault::OutOfBounds { .. } => Self::Constraint,
+            // A joint constraint narrows the limits of the robot.
+            ConfigurationFault::JointLimit { joint, value, .. } => {
+                let mut limits = asked.robot.joint_names().iter().zip(&asked.joint_limits);
+                let is_within = limits.any(|(name, limits)| name == joint && limits.contain(*value));
+                if is_within { Self::Constraint } else { Self::Limit }
+            }
+            _ => Self::Contact,
+        }
+    }
+
+    fn predicate(self) -> &'static str {
+        match self {
+            Self::Limit => "is beyond a joint limit",
+            Self::Constraint => "violates a path constraint",
+            Self::Contact => "is in collision",
+        }
+    }
+}
+
 /// Returns the error code of an outcome; of an invalid start or goal by the kind of its first fault.
-fn code_of(answer: &Answer, faults: &[ConfigurationFault]) -> i32 {
-    let of_fault = |[contact, bound, limit]: [i32; 3]| match faults.first() {
-        Some(ConfigurationFault::JointLimit { .. }) => limit,
-        Some(ConfigurationFault::OutOfBounds { .. }) => bound,
-        _ => contact,
-    };
+fn code_of(answer: &Answer, asked: &MoveItProblem, faults: &[ConfigurationFault]) -> i32 {
+    let of_fault =
+        |[contact, bound, limit]: [i32; 3]| match faults.first().map(|fault| Kind::of(asked, fault)) {
+            Some(Kind::Limit) => limit,
+            Some(Kind::Constraint) => bound,
+            Some(Kind::Contact) | None => contact,
+        };
     match answer.outcome {
         Outcome::Solved if answer.is_valid() => code::SUCCESS,
         Outcome::Solved => code::INVALID_MOTION_PLAN,
@@ -115,16 +148,49 @@ fn code_of(answer: &Answer, faults: &[ConfigurationFault]) -> i32 {
     }
 }
 
-fn message(answer: &Answer, faults: &[ConfigurationFault]) -> String {
+fn message(answer: &Answer, asked: &MoveItProblem, faults: &[ConfigurationFault]) -> String {
     if answer.outcome == Outcome::Solved && !answer.is_valid() {
         return "the path of the planner could not be proven".to_owned();
     }
-    let mut message = answer.outcome.sentence().to_owned();
+    let subject = if answer.outcome == Outcome::StartInvalid { "the start" } else { "every goal" };
+    let mut message = match kinds(asked, faults)[..] {
+        [] => answer.outcome.sentence().to_owned(),
+        [kind] => format!("{subject} {}", kind.predicate()),
+        [ref others @ .., last] => {
+            let others: Vec<&str> = others.iter().map(|kind| kind.predicate()).collect();
+            format!("{subject} {} or {}", others.join(", "), last.predicate())
+        }
+    };
     for (index, fault) in faults.iter().take(MOST_FAULTS).enumerate() {
         message += if index == 0 { ": " } else { "; " };
-        message += &fault.to_string();
+        message += &sentence(asked, fault);
     }
     message
+}
+
+/// Describes a fault, with the range of a joint as that of its path constraint if this is what excludes its value.
+fn sentence(asked: &MoveItProblem, fault: &ConfigurationFault) -> String {
+    match fault {
+        ConfigurationFault::JointLimit { joint, value, lower, upper }
+            if Kind::of(asked, fault) == Kind::Constraint =>
+        {
+            let [value, lower, upper] = distinct([*value, *lower, *upper], 4);
+            format!("{joint} is {value}, outside [{lower}, {upper}], the range of its path constraint")
+        }
+        fault => fault.to_string(),
+    }
+}
+
+/// Returns the kinds of faults, each once, in their order.
+fn kinds(asked: &MoveItProblem, faults: &[ConfigurationFault]) -> Vec<Kind> {
+    let mut kinds: Vec<Kind> = Vec::new();
+    for fault in faults {
+        let kind = Kind::of(asked, fault);
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
+        }
+    }
+    kinds
 }
 
 fn timed_points(trajectory: &TaskTrajectory, rate_hz: f64) -> Result<Vec<Value>, RecordError> {

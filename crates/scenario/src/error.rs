@@ -179,6 +179,12 @@ pub enum ScenarioError {
         /// Description of the fault, with a hint.
         problem: String,
     },
+    /// Neither the scenario nor the robot's files give a start.
+    #[error("{at}: no start: add `start` here or to the robot's `robot.yaml`")]
+    NoStart {
+        /// Location of the robot in the file.
+        at: Location,
+    },
     /// The start leaves a joint out.
     #[error("{at}: the start gives no value for joint '{joint}'")]
     MissingJoint {

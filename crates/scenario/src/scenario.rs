@@ -37,6 +37,8 @@ pub struct Scenario {
     pub target: Option<usize>,
     /// Object that the target consists of, if it is a single one; its frame is that of the body's only part.
     pub target_source: Option<ObjectSource>,
+    /// Frame of each body of several shapes, in the frame of its first shape, by name.
+    pub body_frames: BTreeMap<String, Pose>,
     /// Mass and friction that the scenario states for the target, before those of its object ([`Self::target_physics`]).
     pub given_physics: TargetPhysics,
     /// Start configuration (m, rad).
@@ -114,6 +116,7 @@ impl Scenario {
             world,
             target: None,
             target_source: None,
+            body_frames: BTreeMap::new(),
             given_physics: TargetPhysics::default(),
             start,
             grasps: GraspSet::default(),

@@ -41,6 +41,20 @@ fn everything_that_a_file_says_stands_in_the_planning_frame() {
 }
 
 #[test]
+fn without_a_start_the_robot_begins_at_that_of_its_own_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let original = Scenario::open("021", &OpenOptions::default()).unwrap();
+    original.write_folder(folder.path()).unwrap();
+    let file = folder.path().join("scenario.yaml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let (before, after) = text.split_once("start:").unwrap();
+    let end = after.find("\nfloor").unwrap();
+    std::fs::write(&file, format!("{before}{}", &after[end + 1..])).unwrap();
+    let scenario = Scenario::open(folder.path().to_str().unwrap(), &OpenOptions::default()).unwrap();
+    assert_eq!(Some(&scenario.start[..]), scenario.robot.default_start());
+}
+
+#[test]
 fn exempt_pairs_are_written_again() {
     let folder = tempfile::tempdir().unwrap();
     let original = Scenario::open("021", &OpenOptions::default()).unwrap();

@@ -142,7 +142,13 @@ fn a_target_of_several_shapes_has_each_in_convex_parts_of_its_own() {
     assert_eq!(found.object.parts.parts.len(), 2);
     let error = found.object.parts.error;
     assert!(error.excess < 0.01 && error.missing < 0.01, "{error:?}");
-    assert_eq!(found.world_from_object.rotation, Pose::identity().rotation, "axes of the planning frame");
+    // Its frame is the one that the file states for it, which the first box has as well.
+    let first = scenario.world.bodies()[scenario.target.unwrap()].parts[0].world_from_solid;
+    assert!((found.world_from_object.to_matrix() - first.to_matrix()).amax() < 1e-12);
+    // It moves with the object.
+    let moved = scenario.with_target_moved(&Pose::translation(0.1, 0.0, 0.2)).unwrap();
+    let shift = target(&moved).world_from_object.translation.vector - first.translation.vector;
+    assert!((shift - Vector::new(0.1, 0.0, 0.2)).norm() < 1e-12, "{shift}");
     stands_where_the_target_does(&scenario, &found);
     // The masses of the boxes are proportional to their volumes, 4 to 1; their centres are 0.08 m apart.
     let bodies = scenario.world.bodies();

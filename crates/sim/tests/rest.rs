@@ -24,7 +24,7 @@ fn faces_with_many_corners_stand_on_the_floor() {
         let ring = |radius_m: f64, z: f64| {
             (0..corners).map(move |index| {
                 let angle = f64::from(index) * std::f64::consts::TAU / f64::from(corners);
-                Point::new(radius_m * angle.cos(), radius_m * angle.sin(), z)
+                Point::new(radius_m * libm::cos(angle), radius_m * libm::sin(angle), z)
             })
         };
         let points: Vec<Point> = ring(0.04, 0.0).chain(ring(0.02, 0.09)).collect();

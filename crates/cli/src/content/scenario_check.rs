@@ -1,8 +1,10 @@
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use cranny_collision::Margins;
 use cranny_scenario::{OpenOptions, Scenario, check, model_notes};
 use cranny_sim::Rest;
+use cranny_task::Stage;
 use serde::Serialize;
 
 use crate::arguments::Output;
@@ -35,9 +37,13 @@ pub fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
             Ok(fault) => problems.extend(fault),
             Err(note) => notes.push(note),
         }
-        match Rest::of_target(&scenario) {
-            Ok(rest) => problems.extend(rest.and_then(|rest| restless_target(&scenario, &rest))),
-            Err(fault) => notes.push(format!("could not simulate whether the target rests: {fault}")),
+        for target in targets(&scenario)? {
+            match Rest::of_target(&target) {
+                Ok(rest) => problems.extend(rest.and_then(|rest| restless_target(&target, &rest))),
+                Err(fault) => {
+                    notes.push(format!("could not simulate whether {} rests: {fault}", target_name(&target)));
+                }
+            }
         }
         notes.extend(scenario.implausible_target_poses());
         notes.extend(scenario.too_wide_target());
@@ -59,18 +65,36 @@ pub fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
     Ok(if checked.sound { Answer::Done } else { Answer::No })
 }
 
+/// Returns the scenario with each body that it or one of its tasks picks as its target.
+fn targets(scenario: &Scenario) -> Result<Vec<Scenario>, Failure> {
+    let stages = scenario.tasks.iter().flat_map(|task| &task.stages);
+    let picked = stages.filter_map(|stage| match stage {
+        Stage::Pick(pick) => pick.object.as_deref(),
+        _ => None,
+    });
+    let own = scenario.target.map(|target| scenario.world.bodies()[target].name.as_str());
+    let names: BTreeSet<&str> = picked.filter(|name| Some(*name) != own).collect();
+    let others = names.into_iter().map(|name| Ok(scenario.with_target(name)?));
+    std::iter::once(Ok(scenario.clone())).chain(others).collect()
+}
+
+fn target_name(scenario: &Scenario) -> String {
+    let name = scenario.target.map(|target| &scenario.world.bodies()[target].name);
+    name.map_or_else(|| "the target".to_owned(), |name| format!("'{name}'"))
+}
+
 /// Describes the motion of a target that does not stay at its initial pose; `None` if it stays.
 fn restless_target(scenario: &Scenario, rest: &Rest) -> Option<String> {
     if rest.is_at_rest() {
         return None;
     }
-    let name = scenario.target.map_or("", |target| &scenario.world.bodies()[target].name);
+    let name = target_name(scenario);
     let place = rest.world_from_object.translation.vector;
     let turn = rest.world_from_object.rotation.coords;
     Some(format!(
-        "the target '{name}' does not rest at its pose: in 2 s it moves by {} and turns by {}, to position \
+        "the target {name} does not rest at its pose: in 2 s it moves by {} and turns by {}, to position \
          [{:.4}, {:.4}, {:.4}], quaternion_xyzw [{:.4}, {:.4}, {:.4}, {:.4}] in the planning frame (for an \
-         object that rolls, set `rolling_m` under `target`)",
+         object that rolls, set `rolling_m` beside its mass)",
         text::millimetres(rest.moved_m),
         text::degrees(rest.turned_rad),
         place.x,

@@ -145,9 +145,9 @@ impl Legible {
         let frame = layout.pose(file.frame.as_ref());
         faults.extend(frame.err());
         if let Some(robot) = robot.as_ref().filter(|_| was_there("start") && was_there("robot")) {
-            match layout.start(&file.start, robot) {
+            match layout.start(file, robot, &OpenOptions::default()) {
                 Ok(start) if start.len() != robot.dof() => faults.push(ScenarioError::StartCount {
-                    file: layout.at(file.start.referenced).to_string(),
+                    file: layout.at(file.start_place()).to_string(),
                     expected: robot.dof(),
                     actual: start.len(),
                     joints: robot.joint_names().join(", "),
@@ -156,7 +156,7 @@ impl Legible {
                     let LimitViolation { joint, value, lower, upper } = beyond;
                     let joint = robot.joint_names()[joint].clone();
                     ScenarioError::StartBeyond {
-                        at: layout.at(file.start.referenced),
+                        at: layout.at(file.start_place()),
                         joint,
                         value,
                         lower,

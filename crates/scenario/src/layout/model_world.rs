@@ -81,7 +81,7 @@ impl Recipe {
                 target.name
             ));
         }
-        let recipe = |body: &Body| RecipeBody::of(body, &scene_from_world);
+        let recipe = |body: &Body| RecipeBody::of(body, &scene_from_world, None);
         let recipe = Self {
             title: format!("from {}", path.file_name().unwrap_or_default().to_string_lossy()),
             start: robot.start(),

@@ -1,4 +1,4 @@
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -15,9 +15,7 @@ use serde_saphyr::Spanned;
 use crate::cloud_obstacle::cloud_obstacle;
 use crate::files::mesh_solids::{MeshSolids, SolidOfMesh};
 use crate::files::{number_table, sizes, yaml};
-use crate::layout::own_file::{
-    BodyEntry, MeshEntry, PlaceEntry, PoseEntry, ScenarioFile, ShapeEntry, StartEntry,
-};
+use crate::layout::own_file::{BodyEntry, MeshEntry, PlaceEntry, PoseEntry, ScenarioFile, ShapeEntry};
 use crate::robot::file;
 use crate::scenario::in_frame;
 use crate::{
@@ -84,10 +82,11 @@ pub(crate) fn open_texts(
 
     let mut colours = BodyColours::new();
     let (mut bodies, mut clouds): (Vec<Body>, Vec<CloudCounts>) = (Vec::new(), Vec::new());
-    let mut names = HashSet::new();
+    let (mut names, mut body_frames) = (HashSet::new(), BTreeMap::new());
     for entry in &file.obstacles {
         layout.check_name(entry, &mut names)?;
         let read = layout.body(entry, &planning_from_scene, Solid::mesh_with_small_holes)?;
+        body_frames.extend(read.frame.map(|frame| (read.body.name.clone(), frame)));
         bodies.push(read.body);
         clouds.extend(read.clouds);
         layout.add_colours(entry, &mut colours)?;
@@ -100,6 +99,7 @@ pub(crate) fn open_texts(
         let read = layout.body(entry, &planning_from_scene, Solid::mesh)?;
         target_source = read.source;
         layout.add_colours(entry, &mut colours)?;
+        body_frames.extend(read.frame.map(|frame| (read.body.name.clone(), frame)));
         bodies.push(read.body);
     }
     let target = file.target.as_ref().map(|_| bodies.len() - 1);
@@ -127,15 +127,13 @@ pub(crate) fn open_texts(
     let scenario = Scenario {
         id,
         criterion,
-        start: match layout.start_of_other(&file.start, &robot, options) {
-            Some(start) => start,
-            None => layout.start(&file.start, &robot)?,
-        },
+        start: layout.start(&file, &robot, options)?,
         robot,
         robot_source,
         world,
         target,
         target_source,
+        body_frames,
         given_physics,
         grasps,
         has_grasp_set: texts.grasps.is_some() || target.is_none(),
@@ -156,7 +154,7 @@ pub(crate) fn open_texts(
         clouds,
     }
     .on_its_ground(options)?
-    .with_checked_start(&layout.at(file.start.referenced).to_string())?;
+    .with_checked_start(&layout.at(file.start_place()).to_string())?;
     let Some(seen) = &file.seen else { return Ok(scenario) };
     let views = Views::read(&folder.join(&seen.value.views))?;
     let views: Vec<View> = views.views.into_iter().map(|stored| stored.view).collect();
@@ -168,6 +166,8 @@ pub(crate) const FLOOR: &str = "floor";
 /// Body as read.
 pub(crate) struct ReadBody {
     pub body: Body,
+    /// Its frame in that of its first shape, if it has several shapes.
+    pub frame: Option<Pose>,
     /// Its object, if it is a single one.
     pub source: Option<ObjectSource>,
     /// Numbers of points of its clouds.
@@ -253,40 +253,6 @@ impl Layout<'_> {
         Ok((robot, source_of(RobotSource::Files(path))))
     }
 
-    /// Returns the default start of another robot than the scenario's own, if any, unless the scenario names all its joints.
-    fn start_of_other(
-        &self,
-        start: &Spanned<StartEntry>,
-        robot: &Robot,
-        options: &OpenOptions,
-    ) -> Option<Vec<f64>> {
-        options.robot.as_ref()?;
-        let is_named = matches!(start.value, StartEntry::ByJoint(_)) && self.start(start, robot).is_ok();
-        robot.default_start().filter(|_| !is_named).map(<[f64]>::to_vec)
-    }
-
-    /// Returns the start of a scenario (m, rad): one value per joint if it names the joints, otherwise as many as it lists.
-    pub fn start(&self, start: &Spanned<StartEntry>, robot: &Robot) -> Result<Vec<f64>, ScenarioError> {
-        let number = |value: &Spanned<f64>| yaml::finite(self.path, value.value, value.referenced);
-        let by_joint = match &start.value {
-            StartEntry::List(list) => return list.iter().map(number).collect(),
-            StartEntry::ByJoint(by_joint) => by_joint,
-        };
-        let joints = robot.joint_names();
-        if let Some((joint, value)) = by_joint.iter().find(|(joint, _)| !joints.contains(joint)) {
-            return Err(ScenarioError::UnknownJoint {
-                at: self.at(value.referenced),
-                joint: joint.clone(),
-                known: joints.join(", "),
-            });
-        }
-        let value_of = |joint: &String| match by_joint.iter().find(|(name, _)| name == joint) {
-            Some((_, value)) => number(value),
-            None => Err(ScenarioError::MissingJoint { at: self.at(start.referenced), joint: joint.clone() }),
-        };
-        joints.iter().map(value_of).collect()
-    }
-
     /// Returns the body. A target must be closed; an obstacle may have small holes.
     pub fn body(
         &self,
@@ -309,7 +275,11 @@ impl Layout<'_> {
         }
         let source = if sources.len() == 1 { sources.pop().flatten() } else { None };
         let tilt_rad = entry.upright_deg.as_ref().map(|degrees| self.upright(degrees)).transpose()?;
-        Ok(ReadBody { body: Body { name: name.clone(), parts, tilt_rad }, source, clouds })
+        let frame = match &parts[..] {
+            [first, _, ..] => Some(first.world_from_solid.inverse() * planning_from_body),
+            _ => None,
+        };
+        Ok(ReadBody { body: Body { name: name.clone(), parts, tilt_rad }, frame, source, clouds })
     }
 
     /// Returns the place goals of the target.

@@ -1,4 +1,4 @@
-//! Bounds of tool, joints and speeds in a `scenario.yaml`.
+//! Start, and bounds of tool, joints and speeds, in a `scenario.yaml`.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -9,13 +9,57 @@ use cranny_spatial::{Point, Pose, Vector};
 use cranny_task::Mode;
 use serde_saphyr::Spanned;
 
-use crate::ScenarioError;
 use crate::files::yaml;
 use crate::layout::own::Layout;
-use crate::layout::own_file::{ScenarioFile, SpeedEntry, ToolBoundEntry};
+use crate::layout::own_file::{ScenarioFile, SpeedEntry, StartEntry, ToolBoundEntry};
 use crate::stated_speed::{ALL, StatedSpeed};
+use crate::{OpenOptions, ScenarioError};
 
 impl Layout<'_> {
+    /// Returns the start of a scenario (m, rad): one value per joint if the file names the joints, otherwise as many as it lists.
+    /// Without one, and for another robot than the scenario's own unless its joints are named, it is that of the robot's files.
+    pub fn start(
+        &self,
+        file: &ScenarioFile,
+        robot: &Robot,
+        options: &OpenOptions,
+    ) -> Result<Vec<f64>, ScenarioError> {
+        let own = robot.default_start().map(<[f64]>::to_vec);
+        let stated = file.start.as_ref().map(|start| self.stated_start(start, robot));
+        let is_named = matches!(file.start.as_ref().map(|start| &start.value), Some(StartEntry::ByJoint(_)));
+        match (stated, own) {
+            (Some(stated), own) if options.robot.is_some() => match (own, stated) {
+                (Some(_), Ok(stated)) if is_named => Ok(stated),
+                (Some(own), _) => Ok(own),
+                (None, stated) => stated,
+            },
+            (Some(stated), _) => stated,
+            (None, Some(own)) => Ok(own),
+            (None, None) => Err(ScenarioError::NoStart { at: self.at(file.robot.referenced) }),
+        }
+    }
+
+    fn stated_start(&self, start: &Spanned<StartEntry>, robot: &Robot) -> Result<Vec<f64>, ScenarioError> {
+        let number = |value: &Spanned<f64>| yaml::finite(self.path, value.value, value.referenced);
+        let by_joint = match &start.value {
+            StartEntry::List(list) => return list.iter().map(number).collect(),
+            StartEntry::ByJoint(by_joint) => by_joint,
+        };
+        let joints = robot.joint_names();
+        if let Some((joint, value)) = by_joint.iter().find(|(joint, _)| !joints.contains(joint)) {
+            return Err(ScenarioError::UnknownJoint {
+                at: self.at(value.referenced),
+                joint: joint.clone(),
+                known: joints.join(", "),
+            });
+        }
+        let value_of = |joint: &String| match by_joint.iter().find(|(name, _)| name == joint) {
+            Some((_, value)) => number(value),
+            None => Err(ScenarioError::MissingJoint { at: self.at(start.referenced), joint: joint.clone() }),
+        };
+        joints.iter().map(value_of).collect()
+    }
+
     /// Returns the maximum tilt of a held object, in radians.
     pub fn upright(&self, entry: &Spanned<f64>) -> Result<f64, ScenarioError> {
         let degrees = yaml::positive(self.path, "upright_deg", entry.value, entry.referenced)?;

@@ -42,8 +42,9 @@ pub(crate) struct ScenarioFile {
     /// Pose of the robot's root in the scene.
     #[schemars(with = "Option<PoseEntry>")]
     pub frame: Option<Spanned<PoseEntry>>,
-    #[schemars(with = "StartEntry")]
-    pub start: Spanned<StartEntry>,
+    /// Start configuration. Default: that of the robot's own files.
+    #[schemars(with = "Option<StartEntry>")]
+    pub start: Option<Spanned<StartEntry>>,
     /// Height of the floor; `null`: no floor. Required.
     #[serde(deserialize_with = "Option::deserialize")]
     #[schemars(with = "Height")]
@@ -87,6 +88,11 @@ pub(crate) struct ScenarioFile {
 }
 
 impl ScenarioFile {
+    /// Location of the start, or of the robot whose own start it is.
+    pub fn start_place(&self) -> serde_saphyr::Location {
+        self.start.as_ref().map_or(self.robot.referenced, |start| start.referenced)
+    }
+
     /// Returns the names of the obstacles.
     pub fn obstacle_names(&self) -> HashSet<&str> {
         self.obstacles.iter().map(|obstacle| obstacle.name.value.as_str()).collect()

@@ -97,7 +97,8 @@ impl Recipe {
             if body.is_floor() {
                 continue;
             }
-            let mut body = RecipeBody::of(body, &scene_from_planning)?;
+            let frame = scenario.body_frames.get(&body.name);
+            let mut body = RecipeBody::of(body, &scene_from_planning, frame)?;
             if scenario.target == Some(index) {
                 if let Some((source, _)) = scenario.placed_object() {
                     body.shapes[0].1 = RecipeShape::Object(source.clone());
@@ -153,6 +154,12 @@ impl Recipe {
             world: self.world()?,
             target: self.target.as_ref().map(|_| self.obstacles.len()),
             target_source: self.target.as_ref().and_then(RecipeBody::source).cloned(),
+            body_frames: self
+                .obstacles
+                .iter()
+                .chain(&self.target)
+                .filter_map(|body| Some((body.name.clone(), body.first_from_body()?)))
+                .collect(),
             given_physics: self.given_physics,
             start: self.start.clone(),
             grasps: self.grasps.clone(),
@@ -230,15 +237,28 @@ impl RecipeBody {
         Ok(Body { name: self.name.clone(), parts, tilt_rad: self.tilt_rad })
     }
 
-    /// Converts a body of the planning frame. Its frame is that of its only shape, or lies at the mean position of its shapes.
-    pub(crate) fn of(body: &Body, scene_from_planning: &Pose) -> Result<Self, ScenarioError> {
+    /// Returns the frame of a body of several shapes in that of its first shape.
+    fn first_from_body(&self) -> Option<Pose> {
+        let [(body_from_first, _), _, ..] = &self.shapes[..] else { return None };
+        Some(body_from_first.inverse())
+    }
+
+    /// Converts a body of the planning frame. Its frame is that of its only shape; the frame of several is given in that of the
+    /// first, or lies at their mean position.
+    pub(crate) fn of(
+        body: &Body,
+        scene_from_planning: &Pose,
+        first_from_body: Option<&Pose>,
+    ) -> Result<Self, ScenarioError> {
         let places: Vec<Pose> =
             body.parts.iter().map(|part| scene_from_planning * part.world_from_solid).collect();
-        let scene_from_body = if let [only] = &places[..] {
-            *only
-        } else {
-            let sum = places.iter().fold(Vector::zeros(), |sum, pose| sum + pose.translation.vector);
-            Pose::from_parts((sum / places.len() as f64).into(), cranny_spatial::Rotation::identity())
+        let scene_from_body = match (&places[..], first_from_body) {
+            ([only], _) => *only,
+            ([first, ..], Some(first_from_body)) => first * first_from_body,
+            _ => {
+                let sum = places.iter().fold(Vector::zeros(), |sum, pose| sum + pose.translation.vector);
+                Pose::from_parts((sum / places.len() as f64).into(), cranny_spatial::Rotation::identity())
+            }
         };
         let shape = |(part, place): (&Part, &Pose)| -> Result<(Pose, RecipeShape), ScenarioError> {
             Ok((scene_from_body.inverse() * place, RecipeShape::of(&part.solid)?))

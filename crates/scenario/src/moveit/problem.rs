@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use cranny_collision::{Margins, World};
 use cranny_file::TextFault;
-use cranny_robot::{Location, Robot};
+use cranny_robot::{JointLimits, Location, Robot};
 use cranny_task::{Goal, Problem};
 use serde::Deserialize;
 use serde_json::Value;
@@ -40,6 +40,8 @@ pub struct MoveItProblem {
     pub group: String,
     /// Robot; its root frame is the planning frame.
     pub robot: Arc<Robot>,
+    /// Limits of the joints of the group without those of path constraints (m, rad), in their order.
+    pub joint_limits: Vec<JointLimits>,
     /// Collision objects, in the planning frame.
     pub world: World,
     /// Start configuration (m, rad).
@@ -121,7 +123,9 @@ impl MoveItProblem {
         // 1.
         let mut deviations = Vec::new();
         let state = files.state(&mut deviations)?;
-        let robot = files.with_held_joints(files.robot(model, &state, &mut deviations)?)?;
+        let robot = files.robot(model, &state, &mut deviations)?;
+        let joint_limits = robot.limits().to_vec();
+        let robot = files.with_held_joints(robot)?;
         // 2.
         let world_from_root = world_from_root(&files.states(), &robot, &mut deviations)?;
         let bodies = bodies(&files.scene_file, &files.scene, &robot, &world_from_root)?;
@@ -132,16 +136,18 @@ impl MoveItProblem {
         let matrix = Matrix::new(&files.scene_file, &files.scene.allowed_collision_matrix)?;
         deviations.extend(matrix.checked(&robot, &body_names));
         let tool_bounds = files.tool_bounds(&robot, &world_from_root, &mut deviations)?;
+        // 3.
+        let start = files.start(&robot, &state, &mut deviations)?;
         Ok(Self {
             group: files.request.group_name.value.clone(),
             tool_speed_m_s: files.tool_speed_m_s(&robot)?,
             allowed_time: files.allowed_time()?,
             id,
             world: World::new(bodies)?.with_tool_bounds(tool_bounds)?,
-            // 3.
-            start: files.start(&robot, &state, &mut deviations)?,
             // 4.
-            goals: files.goals(&robot, &mut deviations)?,
+            goals: files.goals(&robot, &start, &mut deviations)?,
+            start,
+            joint_limits,
             robot,
             deviations,
         })

@@ -197,7 +197,7 @@ impl Files {
             }),
         };
         let mut q: Vec<f64> = robot.joint_names().iter().map(value).collect::<Result<_, _>>()?;
-        take_into_limits(robot, &mut q, "start", deviations);
+        take_into_limits(robot, &mut q, None, deviations);
         Ok(q)
     }
 
@@ -217,11 +217,12 @@ impl Files {
         Ok(values)
     }
 
-    /// Returns the goal configurations (m, rad; one value per joint). A goal may name joints that do not move freely if they
+    /// Returns the goal configurations (m, rad; one value per joint); continuous joints are turned towards the start. A goal may name joints that do not move freely if they
     /// have the given value.
     pub fn goals(
         &self,
         robot: &Robot,
+        start: &[f64],
         deviations: &mut Vec<MoveItDeviation>,
     ) -> Result<Vec<Vec<f64>>, ScenarioError> {
         let file = &self.request_file;
@@ -261,7 +262,7 @@ impl Files {
                     return Err(MoveItError::GoalElsewhere { at, joint: joint.clone(), asked, actual }.into());
                 }
             }
-            take_into_limits(robot, &mut q, "goal", deviations);
+            take_into_limits(robot, &mut q, Some(start), deviations);
             Ok(q)
         };
         self.goal_constraints()?.iter().map(&mut goal).collect()
@@ -269,9 +270,18 @@ impl Files {
 }
 
 /// Shifts continuous joints into their limits, and rounds values close to a limit to it.
-fn take_into_limits(robot: &Robot, q: &mut [f64], what: &'static str, deviations: &mut Vec<MoveItDeviation>) {
+fn take_into_limits(
+    robot: &Robot,
+    q: &mut [f64],
+    start: Option<&[f64]>,
+    deviations: &mut Vec<MoveItDeviation>,
+) {
+    let what = if start.is_some() { "goal" } else { "start" };
     let given = q.to_vec();
     robot.turn_into_limits(q);
+    if let Some(start) = start {
+        robot.wrap_towards(start, q);
+    }
     for (index, joint) in robot.joint_names().iter().enumerate() {
         let (joint, requested) = (joint.clone(), given[index]);
         if (q[index] - requested).abs() > 0.0 {

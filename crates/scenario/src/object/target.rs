@@ -28,7 +28,7 @@ impl Scenario {
     /// [`ScenarioError::ShapeFile`] for a shape without triangles.
     pub fn target_mesh(&self) -> Result<Option<TriangleSoup>, ScenarioError> {
         let body = self.target.map(|target| &self.world.bodies()[target]);
-        body.map(|body| RecipeBody::of(body, &Pose::identity())?.placed_soup()).transpose()
+        body.map(|body| RecipeBody::of(body, &Pose::identity(), None)?.placed_soup()).transpose()
     }
 
     /// Returns mass and friction of the target: those of the scenario, otherwise those of its object.
@@ -60,8 +60,8 @@ impl Scenario {
     ///
     /// A target that is one object has that object's frame, convex parts and stable poses. Any other target has the mesh of
     /// [`Self::target_mesh`], with each shape cut into convex parts separately, and uniform density; the volume that shapes
-    /// share counts once. Its frame is that of its only shape; for several shapes it has the axes of the planning frame and its
-    /// origin at the centre of their bounds. For a shape that is far from convex this takes up to several seconds.
+    /// share counts once. Its frame is that of its only shape; for several shapes it is the one in which the scenario states
+    /// them, or, if it states none, has the axes of the planning frame and its origin at the centre of their bounds. For a shape that is far from convex this takes up to several seconds.
     ///
     /// # Errors
     /// [`ObjectError::NoMass`] if the mass of the target is not given, [`ObjectError::Number`] for a number of `instead` that
@@ -79,7 +79,7 @@ impl Scenario {
             return Ok(Some(TargetObject { object, world_from_object }));
         }
         let settings = ObjectSettings { friction, ..ObjectSettings::new(&body.name, mass_kg) };
-        object_of_shapes(body, &settings).map(Some)
+        object_of_shapes(body, self.body_frames.get(&body.name), &settings).map(Some)
     }
 
     /// Returns the frame of the target, `world_from_object`, if it is one object: that of the object's mesh and grasps.
@@ -97,10 +97,14 @@ impl Scenario {
 }
 
 /// Creates an object that is defined only by its shapes.
-fn object_of_shapes(body: &Body, settings: &ObjectSettings) -> Result<TargetObject, ScenarioError> {
-    let placed = RecipeBody::of(body, &Pose::identity())?;
-    let world_from_object = match &placed.shapes[..] {
-        [_] => placed.scene_from_body,
+fn object_of_shapes(
+    body: &Body,
+    first_from_body: Option<&Pose>,
+    settings: &ObjectSettings,
+) -> Result<TargetObject, ScenarioError> {
+    let placed = RecipeBody::of(body, &Pose::identity(), first_from_body)?;
+    let world_from_object = match (&placed.shapes[..], first_from_body) {
+        ([_], _) | (_, Some(_)) => placed.scene_from_body,
         _ => middle_of_bounds(&placed.placed_soup()?),
     };
     let object_from_body = world_from_object.inverse() * placed.scene_from_body;

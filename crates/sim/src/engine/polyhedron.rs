@@ -180,7 +180,7 @@ mod tests {
     fn prism(corners: u32) -> Polyhedron {
         let at = |index: u32| f64::from(index) * std::f64::consts::TAU / f64::from(corners);
         let points: Vec<Vector> = (0..corners)
-            .flat_map(|index| [0.0, 1.0].map(|z| Vector::new(at(index).cos(), at(index).sin(), z)))
+            .flat_map(|index| [0.0, 1.0].map(|z| Vector::new(libm::cos(at(index)), libm::sin(at(index)), z)))
             .collect();
         Polyhedron(ConvexPolyhedron::from_convex_hull(&points).expect("a prism"))
     }
@@ -192,7 +192,8 @@ mod tests {
             for index in 0..200 {
                 let turn = f64::from(index) * 0.37;
                 let tilt = 1e-3 * f64::from(index);
-                let down = Vector::new(tilt.sin() * turn.cos(), tilt.sin() * turn.sin(), -tilt.cos());
+                let [(ts, tc), (us, uc)] = [tilt, turn].map(libm::sincos);
+                let down = Vector::new(ts * uc, ts * us, -tc);
                 let mut face = PolygonalFeature::default();
                 prism.local_support_feature(down, &mut face);
                 assert_eq!(face.num_vertices, CORNERS);
