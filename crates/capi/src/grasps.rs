@@ -137,6 +137,7 @@ pub extern "C" fn cranny_grasps_sample(
             count: wished,
             friction: asked.friction,
             opening_m: hand.opening_m,
+            closed_gap_m: hand.closed_gap_m(),
             approaches: asked.approaches,
             // Rejects early what the filter of the hand would reject anyway.
             finger_depth_m: Some(hand.finger_depth_m).filter(|depth_m| !asked.bare && *depth_m > 0.0),

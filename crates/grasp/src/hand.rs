@@ -26,6 +26,14 @@ pub struct Hand {
     pub pads: Option<PadRectangle>,
 }
 
+impl Hand {
+    /// Returns the gap that stays between the pads of the closed hand, in metres; 0 without two straight fingers.
+    pub fn closed_gap_m(&self) -> f64 {
+        let [one, other] = &self.fingers[..] else { return 0.0 };
+        (self.opening_m - (one.stroke_m.y - other.stroke_m.y).abs()).max(0.0)
+    }
+}
+
 /// The flat pads of a hand, along x and z of the gripper frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PadRectangle {

@@ -30,6 +30,9 @@ pub struct SamplerSettings {
     pub friction: f64,
     /// Maximum distance of two contacts, in metres: the gripper's opening. Default 0.08, a Panda's.
     pub opening_m: f64,
+    /// Minimum distance of two contacts, in metres: the gap that stays between the pads of the closed hand
+    /// ([`Hand::closed_gap_m`](crate::Hand::closed_gap_m)). Default 0: the pads meet.
+    pub closed_gap_m: f64,
     /// Rays from each first contact. Default 1: another contact adds more than another ray from the same one.
     pub rays: usize,
     /// Approach directions about each closing axis. Default 12, every 30°, as in the released grasps.
@@ -78,6 +81,7 @@ impl Default for SamplerSettings {
             count: 2000,
             friction: 0.24,
             opening_m: 0.08,
+            closed_gap_m: 0.0,
             rays: 1,
             approaches: 12,
             kept_approaches: 1,
@@ -348,7 +352,7 @@ fn pairs_along(
     let mut pairs = Vec::new();
     for hit in surface.ray_hits(&first.point, ray, settings.opening_m) {
         let end = contact(first.point + ray * hit.distance_m, hit.normal);
-        let leaves = hit.normal.dot(ray) > 0.0 && hit.distance_m >= LEAST_WIDTH_M;
+        let leaves = hit.normal.dot(ray) > 0.0 && hit.distance_m >= LEAST_WIDTH_M.max(settings.closed_gap_m);
         let travel_m = 0.5 * (opening_m - hit.distance_m);
         // The next surface outwards must be farther than the open pad and face the contact. The ray starts beyond the
         // surface of the contact itself, which lies within rounding.

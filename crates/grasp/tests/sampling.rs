@@ -1,7 +1,7 @@
 //! Sampled grasps against the definition of a grasp, checked triangle by triangle.
 
 use cranny_grasp::{
-    BoxHand, FirstApproach, GraspError, GraspSampler, SampledGrasp, SamplerSettings, Sampling,
+    BoxHand, Finger, FirstApproach, GraspError, GraspSampler, Hand, SampledGrasp, SamplerSettings, Sampling,
     grasp_distance, resume_sampling, sample_grasps,
 };
 use cranny_shape::{Surface, TriangleSoup};
@@ -96,6 +96,21 @@ fn nothing_wider_than_the_opening_is_grasped() {
     let narrow = SamplerSettings { opening_m: 0.03, most_contacts: 10_000, ..settings(500) };
     let none = sampled(&surface, &narrow);
     assert!(none.grasps.is_empty() && none.first_contacts >= 10_000);
+}
+
+#[test]
+fn nothing_thinner_than_the_gap_of_the_closed_hand_is_grasped() {
+    let surface = Surface::new(&cuboid()).unwrap();
+    let loose =
+        SamplerSettings { closed_gap_m: 0.06, opening_m: 0.12, most_contacts: 20_000, ..settings(300) };
+    let found = sampled(&surface, &loose);
+    assert!(!found.grasps.is_empty() && found.grasps.iter().all(|g| g.grasp.width_m.unwrap() >= 0.06));
+    let finger = |way_m: f64| Finger { parts: 0..0, stroke_m: Vector::new(0.0, way_m, 0.0) };
+    let hand = |way_m: f64| Hand {
+        fingers: vec![finger(-way_m), finger(way_m)],
+        ..BoxHand::default().hand().unwrap()
+    };
+    assert!(hand(0.04).closed_gap_m() < 1e-12 && (hand(0.038).closed_gap_m() - 0.004).abs() < 1e-12);
 }
 
 /// A box of 60 mm by 50 mm by 70 mm with one of 20 mm in it, off its middle: as a second component, as a cavity, and as a space

@@ -255,6 +255,7 @@ impl Subject {
             count: arguments.candidates.unwrap_or(10 * arguments.count).max(arguments.count),
             friction: arguments.friction.unwrap_or(self.friction),
             opening_m: self.hand.opening_m,
+            closed_gap_m: self.hand.closed_gap_m(),
             approaches: arguments.approaches,
             depth_m: [arguments.depth[0] / 1000.0, arguments.depth[1] / 1000.0],
             // Rejects early what the filter of the hand would reject anyway.

@@ -57,6 +57,7 @@ impl<'a> GraspSource<'a> {
             // Grasps that need no more friction than this have the minimum score.
             friction: (1.0 - GraspMeasure::LEAST_SCORE) * measure.friction(),
             opening_m: measure.opening_m(),
+            closed_gap_m: measure.closed_gap_m(),
             first_approach: FirstApproach::Random,
             ..SamplerSettings::default()
         }

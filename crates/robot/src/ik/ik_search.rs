@@ -11,7 +11,7 @@ pub struct IkSearchSettings {
     /// Settings of each attempt.
     pub ik: IkSettings,
     /// Two configurations are the same solution if no prismatic joint differs by more than this, in metres, and no revolute
-    /// one by more than `distinct_rad`. Default 0.05 m: the base of the Panda moved by an eighth of its width.
+    /// one by more than `distinct_rad`, modulo whole turns for an endless joint. Default 0.05 m: the base of the Panda moved by an eighth of its width.
     pub distinct_m: f64,
     /// See `distinct_m`. Default 0.1 rad, which moves an outstretched arm's hand by 0.08 m.
     pub distinct_rad: f64,
@@ -135,14 +135,14 @@ impl<'robot> IkSearch<'robot> {
     }
 
     fn is_new(&self, q: &[f64]) -> bool {
-        let limits = self.solver.robot().limits();
+        let robot = self.solver.robot();
         let differs = |known: &IkSolution| {
-            known.q.iter().zip(q).zip(limits).any(|((a, b), limits)| {
-                let least = match limits.unit {
+            (0..robot.dof()).any(|joint| {
+                let least = match robot.limits()[joint].unit {
                     JointUnit::Metre => self.settings.distinct_m,
                     JointUnit::Radian => self.settings.distinct_rad,
                 };
-                (a - b).abs() > least
+                robot.joint_difference(joint, known.q[joint], q[joint]) > least
             })
         };
         self.solutions.iter().all(differs)

@@ -15,6 +15,7 @@ pub struct GraspMeasure {
     surface_in_world: Surface,
     friction: f64,
     opening_m: f64,
+    closed_gap_m: f64,
     pads: PadSurfaces,
 }
 
@@ -36,12 +37,15 @@ impl GraspMeasure {
         if !(friction > 0.0 && friction.is_finite()) {
             return Err(lacking("a positive coefficient of friction"));
         }
-        let opening_m = cell.robot().hand().map_or(0.0, |hand| hand.description.opening_m);
+        let [opening_m, closed_gap_m] = cell
+            .robot()
+            .hand()
+            .map_or([0.0; 2], |hand| [hand.description.opening_m, hand.pads.opening_m(1.0)]);
         if opening_m <= 0.0 {
             return Err(lacking("a hand that opens"));
         }
         let pads = PadSurfaces::of(hand.holding());
-        Ok(Self { hand, surface_in_world, friction, opening_m, pads })
+        Ok(Self { hand, surface_in_world, friction, opening_m, closed_gap_m, pads })
     }
 
     /// The hand that closes on the target.
@@ -62,6 +66,11 @@ impl GraspMeasure {
     /// Distance between the pads of the open hand, in metres.
     pub fn opening_m(&self) -> f64 {
         self.opening_m
+    }
+
+    /// Gap that stays between the pads of the closed hand, in metres: no thinner object is held.
+    pub fn closed_gap_m(&self) -> f64 {
+        self.closed_gap_m
     }
 
     /// Returns the two points where the middles of the pads first meet the surface when they close along y of the gripper frame
