@@ -159,7 +159,8 @@ def run(
     trials. With several `workers`, the results state that times are not those of an otherwise idle machine.
 
     A mapping as `planners` gives them names. `carry` ("home", "out" or "place") also carries the grasped target; `task`
-    names a task that each scenario defines, which replaces the grasp. `robust` is the error (m, rad) of the target's pose
+    names a task that each scenario defines, which replaces the grasp; a planner of your own, whose path ends at a goal,
+    raises ValueError with either. `robust` is the error (m, rad) of the target's pose
     that each path must tolerate, `hold` the factor by which the hand of a built-in planner must hold what it carries
     (None: 1.5), `try_in_physics` the number of its plans that may be executed in physics until one goes as planned
     (None: none is), `margin_m` and `grasp_margin_m` the clearances (m) of each path between any two bodies, and between hand
@@ -172,7 +173,8 @@ def run(
     your own planner runs its script only up to the first call of this function.
     """
     end_if_read_for_planner()
-    for what, given in (("scenarios", scenarios), ("planners", planners)):
+    lists = {"scenarios": scenarios, "planners": planners, "criteria": criteria, "again": again}
+    for what, given in lists.items():
         if isinstance(given, str):
             raise TypeError(f"{what}: a list is expected, not the string {given!r}")
     output = Path(output)
@@ -180,6 +182,12 @@ def run(
     named: list[tuple[str | None, PlannerChoice]] = (
         list(planners.items()) if isinstance(planners, Mapping) else [(None, choice) for choice in planners]
     )
+    own = [name or found.name for name, choice in named if (found := registered(choice)) is not None]
+    if own and (carry is not None or task is not None):
+        raise ValueError(
+            f"planner '{own[0]}' is a Python function, whose path ends at a goal, but the campaign demands "
+            f"{'carry' if carry is not None else 'task'}; write it as a program (docs/exec_protocol.md)"
+        )
     run_campaign(
         [os.fspath(scenario) for scenario in scenarios],
         [_call(name, choice, folder) for name, choice in named],

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import io
 import json
+import operator
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -46,7 +47,9 @@ GRASP_RESULTS = (
 
 
 class Dataset:
-    """Rows of a set and their scenes, as Arrow tables that are mapped from disk."""
+    """Rows of a set and their scenes, as Arrow tables that are mapped from disk.
+
+    A position is that of a row in `table`; negative ones count from the end, and others raise IndexError."""
 
     def __init__(self, path: str | Path) -> None:
         """Opens the folder of a set. A shard and a set that is not complete have the rows of their finished chunks."""
@@ -97,23 +100,32 @@ class Dataset:
     def _scene_places(self) -> dict[int, int]:
         return {int(scene): place for place, scene in enumerate(self.scenes["scene"].to_pylist())}
 
+    def _position(self, place: int) -> int:
+        """Position from the beginning."""
+        count = len(self)
+        if not -count <= operator.index(place) < count:
+            raise IndexError(f"there is no position {place} among {count} rows")
+        return int(place) % count
+
     def dof(self, place: int) -> int:
         """Number of joints of the robot of the row at a position."""
-        return len(self.table["start"][place])
+        return len(self.table["start"][self._position(place)])
 
     def path(self, place: int) -> NDArray[np.float64]:
         """Way points of the row at a position, (N, dof) in m and rad; (0, dof) unless solved."""
+        place = self._position(place)
         values, offsets = self._paths
         return values[offsets[place] : offsets[place + 1]].reshape(-1, self.dof(place))
 
     def times(self, place: int) -> NDArray[np.float64]:
         """Times at which the way points are passed, (N,) in seconds. The motion stops at each."""
+        place = self._position(place)
         values, offsets = self._times
         return values[offsets[place] : offsets[place + 1]]
 
     def scene(self, place: int) -> dict[str, Any]:
         """Row of the scene of the row at a position, as a dictionary, with `boxes` as (N, 10) and names of grasp results."""
-        scene = self.scenes.slice(self._scene_places[int(self.table["scene"][place].as_py())], 1).to_pylist()[0]
+        scene = self.scenes.slice(self._scene_places[int(self.table["scene"][self._position(place)].as_py())], 1).to_pylist()[0]
         scene["boxes"] = np.asarray(scene["boxes"], dtype=np.float32).reshape(-1, 10)
         scene["grasp_results"] = [GRASP_RESULTS[result] for result in scene["grasp_results"]]
         return dict(scene)
@@ -145,7 +157,7 @@ class Dataset:
 
     def pictures(self, place: int) -> list[Picture]:
         """Pictures of the scene of the row at a position, one for each camera; the robot is at its own start. Needs Pillow."""
-        places = self._picture_places.get(int(self.table["scene"][place].as_py()), [])
+        places = self._picture_places.get(int(self.table["scene"][self._position(place)].as_py()), [])
         if self._pictures is None:
             return []
         return [Picture.of_row(self._pictures.slice(picture, 1).to_pylist()[0]) for picture in places]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import dis
 import inspect
 import textwrap
@@ -11,10 +12,9 @@ from typing import Any
 
 
 def source_of(function: Callable[..., Any]) -> str:
-    """Source of a module with the function and with all notebook functions, classes, imports and plain values that it
-    uses.
+    """Source of a module with the function and with all notebook functions, imports and plain values that it uses.
 
-    Raises ValueError for anything else that it uses; define such a function in a file.
+    Raises ValueError for anything else that it uses, such as a class of the notebook, whose source Python does not keep.
     """
     module = _Module()
     module.gather(function.__name__, function)
@@ -36,31 +36,41 @@ class _Module:
         module = getattr(value, "__module__", None)
         if isinstance(value, types.ModuleType):
             self.imports[name] = f"import {value.__name__} as {name}"
-        elif isinstance(value, types.FunctionType | type) and module == "__main__":
+        elif isinstance(value, types.FunctionType) and module == "__main__":
             self._define(name, value)
+        elif isinstance(value, type) and module == "__main__":
+            raise ValueError(
+                f"the source of class `{name}` is not known outside of a file; put the class and the planner into a file, "
+                "and import the planner from there"
+            )
         elif isinstance(module, str) and module != "__main__" and hasattr(value, "__qualname__"):
             self.imports[name] = f"from {module} import {value.__qualname__} as {name}"
-        elif _is_plain(value):
-            self.values[name] = f"{name} = {value!r}"
         else:
-            raise ValueError(f"`{name}`, a {type(value).__name__}, cannot be written down; put the planner into a file")
+            try:
+                self.values[name] = f"{name} = {_written(value)}"
+            except TypeError as reason:
+                raise ValueError(f"`{name}`, a {reason}, cannot be written down; put the planner into a file") from None
 
-    def _define(self, name: str, value: Any) -> None:
+    def _define(self, name: str, function: types.FunctionType) -> None:
         try:
-            text = textwrap.dedent(inspect.getsource(value))
-        except (OSError, TypeError) as reason:
-            raise ValueError(f"the source of `{name}` is not known ({reason}); put it into a file") from reason
-        lines = text.splitlines()
+            text = textwrap.dedent(inspect.getsource(function))
+            definition = ast.parse(text).body[0]
+        except (OSError, TypeError, SyntaxError) as reason:
+            raise ValueError(f"the source of `{name}` is not known ({reason}); put the planner into a file") from reason
+        if not isinstance(definition, ast.FunctionDef):
+            raise ValueError(f"`{name}` is not defined by `def`; define it so, or put the planner into a file")
+        # Defaults are computed at the definition, so what they use comes before it.
+        defaults = [*definition.args.defaults, *filter(None, definition.args.kw_defaults)]
+        nodes = (node for default in defaults for node in ast.walk(default))
+        self._gather_all([node.id for node in nodes if isinstance(node, ast.Name)], function)
         # Decorators are omitted, so that the worker, which finds the function by name, registers nothing.
-        begin = next(index for index, line in enumerate(lines) if line.startswith(("def ", "class ")))
-        self.definitions[name] = "\n".join(lines[begin:])
-        functions = [value] if isinstance(value, types.FunctionType) else [
-            member for member in vars(value).values() if isinstance(member, types.FunctionType)
-        ]
-        for function in functions:
-            for used in _names_of(function.__code__):
-                if used in function.__globals__:
-                    self.gather(used, function.__globals__[used])
+        self.definitions[name] = "\n".join(text.splitlines()[definition.lineno - 1 :])
+        self._gather_all(_names_of(function.__code__), function)
+
+    def _gather_all(self, names: list[str], function: types.FunctionType) -> None:
+        for name in names:
+            if name in function.__globals__:
+                self.gather(name, function.__globals__[name])
 
 
 def _names_of(code: types.CodeType) -> list[str]:
@@ -72,9 +82,19 @@ def _names_of(code: types.CodeType) -> list[str]:
     return names
 
 
-def _is_plain(value: Any) -> bool:
-    if isinstance(value, list | tuple | set):
-        return all(_is_plain(item) for item in value)
-    if isinstance(value, dict):
-        return all(_is_plain(key) and _is_plain(item) for key, item in value.items())
-    return value is None or isinstance(value, bool | int | float | str | bytes)
+def _written(value: Any) -> str:
+    """Expression of a plain value. Raises TypeError with the type of any other."""
+    if isinstance(value, float):
+        # The names inf and nan are not defined; 1e999 is infinite.
+        return repr(float(value)).replace("inf", "1e999").replace("nan", "(1e999 - 1e999)")
+    kind = type(value)
+    if kind in (list, tuple):
+        return f"{kind.__name__}([{', '.join(map(_written, value))}])"
+    if kind in (set, frozenset):
+        # Sorted, since the order of a set differs from process to process, and the source identifies the planner.
+        return f"{kind.__name__}([{', '.join(sorted(map(_written, value)))}])"
+    if kind is dict:
+        return "{" + ", ".join(f"{_written(key)}: {_written(item)}" for key, item in value.items()) + "}"
+    if kind in (type(None), bool, int, str, bytes):
+        return repr(value)
+    raise TypeError(kind.__name__)

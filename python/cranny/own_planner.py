@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -28,11 +29,11 @@ _Function = TypeVar("_Function", bound=PlannerFunction)
 
 @dataclass(frozen=True)
 class Budget:
-    """Limits of a planner. The campaign measures the time from outside; a path returned after the limit does not
-    count."""
+    """Limits of a planner. The campaign measures the time from outside, until the process has ended: keep a reserve of
+    some tenths of a second, since a path after the limit does not count."""
 
     time_s: float
-    """Seconds from the start of the process."""
+    """Seconds from the start of the process, imports included; outside of Linux, from the end of the import of Cranny."""
     iterations: int | None = None
     """Number of iterations, as the planner defines them; None: no limit."""
     begin: float = field(default_factory=time.monotonic, repr=False)
@@ -57,6 +58,10 @@ class Problem:
     """Start configuration, (dof,), m or rad."""
     goal: NDArray[np.float64] | None = None
     """The only goal configuration, (dof,); None: any grasp is a goal."""
+    margins: Mapping[str, float] = field(default_factory=dict)
+    """Clearances (m) that the campaign demands of each path: `margin_m` between any two bodies, `grasp_margin_m` between
+    the hand and the target or its support, and `object_margin_m`, in addition, around the target, whose pose may be
+    inexact by that (`robust`)."""
 
     @property
     def robot(self) -> Robot:
@@ -70,8 +75,8 @@ class Problem:
 
     @cached_property
     def cell(self) -> Cell:
-        """The robot in its world: `is_free`, `motion_is_free`, …"""
-        return self.scenario.cell()
+        """The robot in its world, with `margins`: `is_free`, `motion_is_free`, …"""
+        return self.scenario.cell(**{name: margin_m for name, margin_m in self.margins.items() if margin_m > 0.0})
 
     def goals(self, count: int = 10, *, seed: int = 0, attempts: int = 100) -> NDArray[np.float64]:
         """Free configurations that reach a grasp, (K, dof), K ≤ `count`, one per grasp in the order of falling scores;
@@ -168,27 +173,41 @@ def planner(name: str) -> Callable[[_Function], _Function]:
     return register
 
 
-def registered(what: str | PlannerFunction) -> OwnPlanner | None:
-    """Registered planner with this name or function; None if there is none."""
+def registered(what: object) -> OwnPlanner | None:
+    """Registered planner with this name or function; None for anything else."""
     if isinstance(what, str):
         return _registered.get(what)
     return next((own for own in _registered.values() if own.function is what), None)
 
 
-def answer(function: PlannerFunction, question: dict[str, Any]) -> dict[str, Any]:
+def process_begin() -> float:
+    """Start of this process on the clock of `time.monotonic`; outside of Linux, which alone states it, now."""
+    now = time.monotonic()
+    if sys.platform != "linux":
+        return now
+    try:
+        # The name of the program, in parentheses, may contain spaces. Field 22 counts ticks since the start of the system.
+        ticks = int(Path("/proc/self/stat").read_text(encoding="utf-8", errors="replace").rpartition(")")[2].split()[19])
+        age_s = time.clock_gettime(time.CLOCK_BOOTTIME) - ticks / os.sysconf("SC_CLK_TCK")
+    except (OSError, ValueError, IndexError):
+        return now
+    return now - max(0.0, age_s)
+
+
+def answer(function: PlannerFunction, question: dict[str, Any], begin: float) -> dict[str, Any]:
     """Runs a planner on a request of the exec protocol, and returns its answer.
 
-    `question` is the document described in docs/exec_protocol.md.
+    `question` is the document described in docs/exec_protocol.md, `begin` the start of the clock, from `time.monotonic`.
     """
     import numpy as np
 
-    begin = time.monotonic()
     scenario = Scenario.load(question["files"]["cranny"], criterion=question["criterion"])
     goal = question.get("goal_configuration")
     problem = Problem(
         scenario,
         np.asarray(question["start"], dtype=np.float64),
         None if goal is None else np.asarray(goal, dtype=np.float64),
+        {name: float(question[name]) for name in ("margin_m", "grasp_margin_m", "object_margin_m")},
     )
     budget = Budget(float(question["time_limit_s"]), question.get("iteration_limit"), begin)
     path = function(problem, budget, int(question["seed"]))

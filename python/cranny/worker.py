@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 from cranny._cranny import serve_trials
-from cranny.own_planner import PlannerFunction, answer, reading_for_planner
+from cranny.own_planner import PlannerFunction, answer, process_begin, reading_for_planner
 
 MODULE = "__cranny_planner__"
 """Module name of a planner in its process; it is not `__main__`, so that a script does not run its main block."""
@@ -42,9 +42,10 @@ def main(words: list[str]) -> None:
         return
     if len(words) != 2:
         raise SystemExit("usage: python -m cranny.worker [FILE FUNCTION]")
+    begin = process_begin()
     # The planner's own output must not mix with the answer.
     with contextlib.redirect_stdout(sys.stderr):
-        told = answer(load(Path(words[0]), words[1]), json.load(sys.stdin))
+        told = answer(load(Path(words[0]), words[1]), json.load(sys.stdin), begin)
     json.dump(told, sys.stdout)
     sys.stdout.flush()
 

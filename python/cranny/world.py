@@ -48,8 +48,8 @@ class World:
     them shows to be free. `q`: configuration of the robot now, from which `plan` starts (None: the start of the scenario). The robot is
     cut out of the map, in each view at the `q` of the view (None: as now), as are the bodies of the scenario. The other keywords are
     those of `seen` in a `scenario.yaml` (docs/sensing.md): `unseen` "solid" or "free",
-    `cell_m`, `fine_m`, `region` (2, 3), the least and the greatest coordinates, `robot_reach_m`, `floor_reach_m`, `tolerance_m`;
-    None: the default there.
+    `cell_m`, `fine_m`, `region` (2, 3), the least and the greatest coordinates, rounded up to whole cubes of 16 `cell_m`,
+    `robot_reach_m`, `floor_reach_m`, `tolerance_m`; None: the default there.
 
     `update`, `add_cloud` and `remove_cloud` replace the obstacles as a whole or, if they raise an exception, not at all. A check
     or a plan that has begun uses those of its beginning. `scenario` and `cell` are immutable, as they are now."""
@@ -100,7 +100,8 @@ class World:
         floor_reach_m: float | None = None,
         tolerance_m: float | None = None,
     ) -> World:
-        """World of depth images: a list of arrays (H, W), uint16 in millimetres (or units of `scale` metres) or floats in metres.
+        """World of depth images: a list of arrays (H, W), uint16 in millimetres or floats in metres;
+        all of them are in units of `scale` metres if that is given.
 
         `intrinsics`: (fx, fy, cx, cy) or a camera matrix (3, 3), one for all images or a list; pixels. `poses`:
         `world_from_camera`, (N, 4, 4), of the optical frames. `sensor`: bounds of the errors as keywords of DepthView, one

@@ -242,8 +242,7 @@ impl PyScenario {
         python_of(py, &cranny_task::grasp_regions(body, &chosen.world_from_gripper))
     }
 
-    /// Tasks of several stages, by name: for each a list of dictionaries of `pick`, `move` or `place`, with their settings.
-    /// `plan(scenario, task=…)` plans one.
+    /// Tasks of several stages for `plan(scenario, task=…)`: name to list of dictionaries of `pick`, `move` or `place`.
     #[getter]
     fn tasks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let tasks = PyDict::new(py);
@@ -265,12 +264,20 @@ impl PyScenario {
         rows(py, &self.scenario.ik, self.scenario.robot.dof())
     }
 
-    /// Returns the robot in the scenario's world, including target and floor, with the required margins in metres: `margin_m`
-    /// between any two bodies, `grasp_margin_m` between hand and fingers and the target or its support. It is always exact.
-    #[pyo3(signature = (*, margin_m=0.0, grasp_margin_m=0.0))]
-    fn cell(slf: &Bound<'_, Self>, margin_m: f64, grasp_margin_m: f64) -> PyResult<PyCell> {
-        let problem = slf.get().exact_problem(Margins { margin_m, grasp_margin_m, ..Margins::default() })?;
-        let keywords = [("margin_m", margin_m), ("grasp_margin_m", grasp_margin_m)].into_py_dict(slf.py())?;
+    /// Returns the robot in the scenario's world, including target and floor, with margins in metres: `margin_m` between any
+    /// bodies, `grasp_margin_m` between the hand and target or support, `object_margin_m` more around the target. Always exact.
+    #[pyo3(signature = (*, margin_m=0.0, grasp_margin_m=0.0, object_margin_m=0.0))]
+    fn cell(
+        slf: &Bound<'_, Self>,
+        margin_m: f64,
+        grasp_margin_m: f64,
+        object_margin_m: f64,
+    ) -> PyResult<PyCell> {
+        let margins = Margins { margin_m, grasp_margin_m, object_margin_m, tilt_rad: None };
+        let names = ["margin_m", "grasp_margin_m", "object_margin_m"];
+        let keywords =
+            names.into_iter().zip([margin_m, grasp_margin_m, object_margin_m]).into_py_dict(slf.py())?;
+        let problem = slf.get().exact_problem(margins)?;
         let cell = problem.cell().ok_or_else(|| bad_value("the scenario has no exact cell"))?.clone();
         Ok(PyCell { cell, made: Made::by_method(slf, ("cell",), Some(&keywords))? })
     }
@@ -299,8 +306,7 @@ impl PyScenario {
         Self::altered(slf, scenario, ("without_body", name))
     }
 
-    /// Returns the scenario with the target moved by `motion`, together with its grasps: (3,) a translation in metres, or
-    /// (4, 4) a rigid motion, both in the planning frame.
+    /// Returns the scenario with target and grasps moved by `motion` in the planning frame, (3,) in metres or (4, 4).
     fn with_object_moved<'py>(slf: &Bound<'py, Self>, motion: &Bound<'py, PyAny>) -> PyResult<Self> {
         let pose = pose_or_translation(Some(motion), "motion")?;
         let scenario = slf.get().scenario.with_target_moved(&pose).map_err(fault)?;

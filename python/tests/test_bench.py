@@ -45,6 +45,16 @@ def broken(problem: cranny.Problem, budget: cranny.Budget, seed: int) -> Any:
     raise RuntimeError("out of order")
 
 
+@cranny.planner("with-margins")
+def with_margins(problem: cranny.Problem, budget: cranny.Budget, seed: int) -> Any:
+    """Fails unless its cell has the margins of the campaign."""
+    assert dict(problem.margins) == {"margin_m": 0.02, "grasp_margin_m": 0.001, "object_margin_m": 0.0}
+    q = problem.robot.sample(2000, seed=seed)
+    demanded = problem.scenario.cell(margin_m=0.02, grasp_margin_m=0.001).is_free(q)
+    assert (problem.cell.is_free(q) == demanded).all()
+    assert (problem.scenario.cell().is_free(q) != demanded).any()
+
+
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> bench.Results:
     """Two built-in and three custom planners, with two seeds each."""
@@ -133,6 +143,46 @@ def test_what_is_no_planner_is_refused(planners: Any, message: str, tmp_path: Pa
         bench.run(["021"], planners, output=tmp_path / "x.db", runs=1)
 
 
+@pytest.mark.parametrize(
+    ("keywords", "message"),
+    [
+        ({"carry": "home"}, "planner 'straight' is a Python function.*carry"),
+        ({"task": "steps"}, "planner 'straight' is a Python function.*task"),
+        ({"criteria": "exact"}, "criteria: a list is expected, not the string 'exact'"),
+        ({"again": "killed"}, "again: a list is expected, not the string 'killed'"),
+    ],
+)
+def test_a_campaign_that_no_trial_could_serve_is_refused(keywords: Any, message: str, tmp_path: Path) -> None:
+    with pytest.raises((ValueError, TypeError), match=message):
+        bench.run(["021"], ["reach", straight], output=tmp_path / "x.db", runs=1, **keywords)
+    assert not (tmp_path / "x.db").exists()
+
+
+def test_the_cell_of_a_planner_has_the_margins_of_the_campaign(tmp_path: Path) -> None:
+    keywords: dict[str, Any] = {"margin_m": 0.02, "grasp_margin_m": 0.001, "time_limit_s": 20, "runs": 1}
+    with bench.run(["021"], [with_margins], output=tmp_path / "x.db", **keywords) as results:
+        trials = results.trials
+    assert list(trials["outcome"]) == ["gave-up"], list(trials["detail"])
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux states the start of a process")
+def test_the_budget_of_a_planner_includes_its_imports(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import time\n"
+        "import cranny\n"
+        "time.sleep(1.5)  # As a large library.\n"
+        "@cranny.planner('patient')\n"
+        "def patient(problem, budget, seed):\n"
+        "    while budget.left_s() > 2.0:\n        time.sleep(0.02)\n"
+        "results = cranny.bench.run(['021'], [patient], output='results.db', runs=1, time_limit_s=4)\n"
+        "print(results.trials['planning_time_s'][0])\n"
+    )
+    run = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=100)
+    # It began with 4 s, and the rest is for the end of the process.
+    assert 1.9 < float(run.stdout) < 3.4, run
+
+
 def test_a_campaign_without_pandas_gives_columns(results: bench.Results, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     columns = results.trials
@@ -146,7 +196,8 @@ def test_a_function_of_a_notebook_is_written_down_with_what_it_uses(tmp_path: Pa
     assert told.returncode == 0, told.stderr
     namespace: dict[str, Any] = {}
     exec(told.stdout, namespace)  # noqa: S102
-    assert namespace["mine"](None, None, 4) == [7.0, 3]
+    assert namespace["mine"](None, None, 4) == [7.0, 3, 1.5]
+    assert str(namespace["EDGES"]) == "[(inf, -inf), {'a': nan}]"
 
 
 NOTEBOOK = '''
@@ -154,20 +205,36 @@ import math
 import numpy as np
 from cranny.function_source import source_of
 LIMIT = 3
-of = floor = object()  # As attributes are called below.
+STEP = np.float64(1.5)
+EDGES = [(math.inf, -math.inf), {"a": math.nan}]
+floor = object()  # As an attribute is called below.
 
-class Sum:
-    def of(self, a):
-        return helper(a) + LIMIT
+def add(a, *, summand=LIMIT):
+    return helper(a) + summand
 
 def helper(x):
     return float(np.floor(x)) if x < 5 else mine(None, None, x)
 
-def mine(problem, budget, seed):
-    return [Sum().of(seed), math.floor(3.5)]
+def mine(problem, budget, seed, step=STEP, sum_of=add):
+    return [sum_of(seed), math.floor(3.5), min(step, EDGES[0][0])]
 
 print(source_of(mine))
 '''
+
+
+@pytest.mark.parametrize(
+    ("cell", "message"),
+    [
+        ("class Tree:\n    pass\ndef mine(problem, budget, seed):\n    return Tree()", "class `Tree` is not known outside"),
+        ("free = lambda q: True\ndef mine(problem, budget, seed):\n    return free(1)", "`free` is not defined by `def`"),
+        ("lock = object()\ndef mine(problem, budget, seed):\n    return lock", "`lock`, a object, cannot be written"),
+    ],
+)
+def test_what_a_notebook_cannot_pass_on_is_named(cell: str, message: str, tmp_path: Path) -> None:
+    script = tmp_path / "cells.py"
+    script.write_text(f"from cranny.function_source import source_of\n{cell}\nprint(source_of(mine))\n")
+    run = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=60, cwd=tmp_path)
+    assert run.returncode == 1 and message in run.stderr, run
 
 
 def test_what_cannot_be_written_down_is_said() -> None:

@@ -62,6 +62,22 @@ def test_rows_are_what_their_way_points_give(folder: Path) -> None:
         assert np.linalg.norm(tip[:3, 3] - row["grasp_pose"][:3]) < 1e-3
 
 
+def test_negative_positions_count_from_the_end(folder: Path) -> None:
+    rows = dataset.load(folder / "set")
+    for place in (0, len(rows) - 1, int(rows.solved[-1])):
+        back = place - len(rows)
+        assert rows.path(back).tolist() == rows.path(place).tolist() and rows.dof(back) == rows.dof(place)
+        assert rows.times(back).tolist() == rows.times(place).tolist()
+        assert rows.scene(back)["scene"] == rows.scene(place)["scene"]
+        pictures = [[picture.pose.tolist() for picture in rows.pictures(at)] for at in (back, place)]
+        assert pictures[0] == pictures[1]
+    assert len(rows.path(int(rows.solved[-1]) - len(rows))) > 0
+    for read in (rows.path, rows.times, rows.scene, rows.pictures, rows.dof):
+        for place in (len(rows), -len(rows) - 1):
+            with pytest.raises(IndexError, match=f"no position {place} among 40 rows"):
+                read(place)
+
+
 def test_paths_are_free_in_the_extracted_scenes(folder: Path, tmp_path: Path) -> None:
     rows = dataset.load(folder / "set")
     tasks = rows.table["task"].to_pylist()

@@ -42,7 +42,7 @@ arguments! {
     runs: u64 = 0..=u64::MAX,
     memory_limit_mb: u64 = 0..=u64::MAX,
     workers: usize = 1..=1024,
-    id: u64 = 0..=u64::MAX,
+    id: u64 = 0..=i64::MAX.cast_unsigned(),
 }
 
 optional_arguments! {

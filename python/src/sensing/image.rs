@@ -34,7 +34,7 @@ impl DepthArray {
     /// # Errors
     /// ValueError for another shape, another type, or a unit that is not above 0 and at most 1.
     pub fn read(image: &Bound<'_, PyAny>, scale: Option<f64>) -> PyResult<Self> {
-        let expected = "uint16 (millimetres, or units of `scale` metres), float32 or float64 (metres)";
+        let expected = "uint16 (millimetres), float32 or float64 (metres), or units of `scale` metres";
         if image.is_none() {
             return Err(bad_value(format!("image is None, but an array (H, W) of {expected} is expected")));
         }
