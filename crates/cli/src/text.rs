@@ -82,7 +82,10 @@ pub fn at_most_seconds(seconds: f64) -> String {
 
 /// Formats a lower bound in radians as degrees, rounded down.
 pub fn at_least_degrees(bound_rad: f64) -> String {
-    format!("{}°", cranny_file::at_least(bound_rad, 1_f64.to_degrees(), 2))
+    let degrees = bound_rad.to_degrees();
+    // A small bound is not shown as none.
+    let digits = if degrees > 0.0 && degrees < 0.01 { 4 } else { 2 };
+    format!("{}°", cranny_file::at_least(bound_rad, 1_f64.to_degrees(), digits))
 }
 
 /// Formats a duration in seconds, or in milliseconds below 1 s.

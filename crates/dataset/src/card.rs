@@ -29,7 +29,10 @@ const DEMONSTRATION_COLUMNS: [[&str; 2]; 21] = [
     ["grasp", "index of the grasp in the set of the scene; −1 without a path"],
     ["grasp_pose", "gripper frame at the grasp in the planning frame: x, y, z, qw, qx, qy, qz"],
     ["load", "factor by which gravity may grow before a pad slips"],
-    ["clearance_m", "proven lower bound of the clearance along the path, at least half of the true one"],
+    [
+        "clearance_m",
+        "proven lower bound of the clearance along the path, at least half of the true one less 0.01 mm",
+    ],
     ["path_length", "length in the plain norm of q (m and rad alike)"],
     ["duration_s", "duration of the trajectory, which is limited in velocity, acceleration and jerk"],
     ["hold_checked", "true if the hold on the carried object was checked along the motion"],
