@@ -137,7 +137,8 @@ class GraspModel:
                 self._finger_of_body[body] = self._finger_of_body[parent]
         self._object_body = self.model.body("object").id
         self._center = np.array(experiment["center_in_object"], dtype=np.float64)
-        self._gravity = np.array([0.0, 0.0, -float(experiment["gravity"])])
+        self._up = np.array(experiment["up"], dtype=np.float64)
+        self._gravity = -float(experiment["gravity"]) * self._up
 
     def run(self, index: int) -> GraspRun:
         """Simulates one of the experiment's grasps."""
@@ -327,7 +328,7 @@ class GraspModel:
         course = self.experiment["course"]
         share = min(time_s / course["lift_s"], 1.0)
         risen_m = course["lift_m"] * share**3 * (10.0 - share * (15.0 - 6.0 * share))
-        lifted = Pose(world_from_closed.position + np.array([0.0, 0.0, risen_m]), world_from_closed.quaternion)
+        lifted = Pose(world_from_closed.position + self._up * risen_m, world_from_closed.quaternion)
         since_s, axis_s = time_s - course["lift_s"], course["shake_periods"] / course["shake_hz"]
         if since_s <= 0.0 or since_s >= 3.0 * axis_s:
             return lifted

@@ -64,7 +64,7 @@ pub(crate) fn to_pose(pose: &RapierPose) -> Pose {
 /// Creates an empty world.
 pub(crate) fn world(physics: &Physics) -> PhysicsWorld {
     let mut world = PhysicsWorld::new();
-    world.gravity = RapierVector::new(0.0, 0.0, -physics.gravity);
+    world.gravity = vector(&(physics.up * -physics.gravity));
     let parameters = &mut world.integration_parameters;
     parameters.dt = physics.step_s;
     parameters.num_solver_iterations = physics.solver_iterations;

@@ -1,3 +1,5 @@
+use cranny_spatial::Vector;
+
 use crate::SimError;
 
 /// Parameters of the simulated physics. The exported MuJoCo model uses the same values where MuJoCo has the same parameter.
@@ -5,6 +7,8 @@ use crate::SimError;
 pub struct Physics {
     /// Gravitational acceleration, downwards, in m/s².
     pub gravity: f64,
+    /// Direction against gravity in the planning frame, a unit vector. Default z.
+    pub up: Vector,
     /// Time step, in seconds, in (0, 1/480].
     pub step_s: f64,
     /// Number of solver iterations per step.
@@ -28,6 +32,7 @@ impl Default for Physics {
     fn default() -> Self {
         Self {
             gravity: 9.81,
+            up: Vector::z(),
             step_s: 0.002,
             solver_iterations: 4,
             contact_frequency_hz: 200.0,

@@ -39,8 +39,7 @@ impl Rest {
         let bodies = scenario.world.bodies().iter().enumerate().filter(|(body, _)| *body != target);
         let TargetObject { object, world_from_object } = found;
         let model = ObjectModel::new(&object)?;
-        let mut world = engine::world(&Physics::default());
-        world.gravity = engine::vector(&(scenario.world.up() * -Physics::default().gravity));
+        let mut world = engine::world(&Physics { up: scenario.world.up(), ..Physics::default() });
         let mut is_any = false;
         for (_, body) in bodies {
             for collider in engine::colliders(&body.name, &Piece::of_body(body)?, 0.0, engine::SURROUNDINGS)?

@@ -44,6 +44,23 @@ fn what_is_held_in_the_middle_stays_there() {
     assert!((run.contact_force_n - 40.0).abs() < 0.8, "{} N", run.contact_force_n);
 }
 
+/// Gravity and the lift follow the direction of up, in whatever frame the robot plans.
+#[test]
+fn a_turned_frame_gives_the_same_load_and_the_same_outcome() {
+    let turn = Pose::rotation(Vector::new(0.5, -0.3, 0.8));
+    for (friction, expected) in [(0.5, GraspOutcome::Held), (0.02, GraspOutcome::Dropped)] {
+        let tests = [Pose::identity(), turn].map(|turn| {
+            let physics = Physics { up: turn * Vector::z(), ..Physics::default() };
+            GraspTest::new(&hand(), &cube(0.3, friction), turn, &[], physics, ShakeTest::default()).unwrap()
+        });
+        let grasps = [from_above(0.0), turn * from_above(0.0)];
+        let loads = [0, 1].map(|k| tests[k].load_of(&grasps[k]).unwrap().at_rest);
+        assert!((loads[0] - loads[1]).abs() < 1e-6 * loads[0], "{loads:?}");
+        let runs = [0, 1].map(|k| run(&tests[k], &grasps[k]));
+        assert_eq!(runs.each_ref().map(|run| run.outcome), [expected; 2], "{runs:?}");
+    }
+}
+
 /// A quarter of a pipe with a wall of 4 mm, which convex parts fill partly: the fingers close on the wall itself.
 #[test]
 fn fingers_close_on_a_curved_wall_and_not_on_the_convex_parts_around_it() {

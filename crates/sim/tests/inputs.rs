@@ -3,7 +3,7 @@
 use cranny_grasp::{BoxHand, ShakeTest};
 use cranny_scenario::{Friction, builtin_object};
 use cranny_sim::{Disturbance, GraspTest, Physics, SimError, Uncertainty};
-use cranny_spatial::{Pose, PoseDifference};
+use cranny_spatial::{Pose, PoseDifference, Vector};
 
 fn fault(change: impl Fn(&mut cranny_grasp::Hand, &mut Physics, &mut ShakeTest)) -> SimError {
     let mut hand = BoxHand::default().hand().unwrap();
@@ -41,7 +41,7 @@ fn constants_out_of_their_range_are_refused() {
 fn the_hand_goes_up_and_to_and_fro_without_a_jump() {
     let shake_test = ShakeTest::default();
     let closed = Pose::translation(0.3, 0.0, 0.5);
-    let at = |time_s| shake_test.world_from_hand(&closed, time_s);
+    let at = |time_s| shake_test.world_from_hand(&closed, &Vector::z(), time_s);
     assert!(PoseDifference::between(&closed, &at(0.0)).translation_m < 1e-12);
     let end = PoseDifference::between(&Pose::translation(0.3, 0.0, 0.6), &at(shake_test.duration_s()));
     assert!(end.translation_m < 1e-12 && end.rotation_rad < 1e-9);

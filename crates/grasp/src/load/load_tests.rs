@@ -162,7 +162,9 @@ fn the_states_of_a_course_are_its_derivatives() {
         } else {
             shake_test.lift_s + ((index - 25) as f64 + 0.5) * 0.004
         };
-        let at = |offset: f64| shake_test.world_from_hand(&closed, time_s + offset).translation.vector;
+        let at = |offset: f64| {
+            shake_test.world_from_hand(&closed, &Vector::z(), time_s + offset).translation.vector
+        };
         let found = (at(step_s) - 2.0 * at(0.0) + at(-step_s)) / (step_s * step_s);
         let expected = Vector::z() * state.lift + closed.rotation * state.acceleration;
         assert!((found - expected).norm() < 2e-2, "{index}: {found} {expected}");

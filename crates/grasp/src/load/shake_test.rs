@@ -1,5 +1,6 @@
 use std::f64::consts::{PI, TAU};
 
+use cranny_spatial::nalgebra::Translation3;
 use cranny_spatial::{Pose, Rotation, Vector, sin_cos};
 use serde::Serialize;
 
@@ -54,10 +55,10 @@ impl ShakeTest {
         self.lift_s + 3.0 * self.shake_axis_s() + self.rest_s
     }
 
-    /// Pose of the hand `time_s` (s) after it has closed at `world_from_closed`.
-    pub fn world_from_hand(&self, world_from_closed: &Pose, time_s: f64) -> Pose {
+    /// Pose of the hand `time_s` (s) after it has closed at `world_from_closed`, lifted along the unit vector `up_in_world`.
+    pub fn world_from_hand(&self, world_from_closed: &Pose, up_in_world: &Vector, time_s: f64) -> Pose {
         let risen_m = self.lift_m * smooth_share(time_s / self.lift_s);
-        let lifted = Pose::translation(0.0, 0.0, risen_m) * world_from_closed;
+        let lifted = Translation3::from(up_in_world * risen_m) * world_from_closed;
         let (since_s, axis_s) = (time_s - self.lift_s, self.shake_axis_s());
         if since_s <= 0.0 || since_s >= 3.0 * axis_s {
             return lifted;

@@ -22,6 +22,8 @@ pub struct Experiment {
     pub model_steps: usize,
     /// Gravitational acceleration, downwards, in m/s².
     pub gravity: f64,
+    /// Direction against gravity in the planning frame, a unit vector.
+    pub up: [f64; 3],
     /// True if anything supports the object. Otherwise there is no gravity until the hand has closed.
     pub is_carried: bool,
     /// Resting pose of the object, in the planning frame.
@@ -102,6 +104,7 @@ impl GraspTest {
             step_s: self.physics.step_s,
             model_steps: mjcf::mujoco_steps(&self.physics),
             gravity: self.physics.gravity,
+            up: self.physics.up.into(),
             is_carried: self.is_carried(),
             world_from_object: self.world_from_object().into(),
             center_in_object: self.object.center.coords.into(),

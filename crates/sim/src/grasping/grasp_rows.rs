@@ -57,7 +57,7 @@ impl GraspTest {
             others.map(|(_, body)| body.clone()).collect()
         };
         let rolling_m = instead.or(scenario.target_physics()).rolling_m.unwrap_or_default();
-        let physics = Physics { rolling_m, ..Physics::default() };
+        let physics = Physics { rolling_m, up: scenario.world.up(), ..Physics::default() };
         Self::new(hand, &object, world_from_object, &around, physics, ShakeTest::default())
     }
 

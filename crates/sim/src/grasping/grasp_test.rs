@@ -1,7 +1,7 @@
 use cranny_collision::Body;
 use cranny_grasp::{Hand, LoadMeasure, LoadState, Pads, ShakeTest};
 use cranny_scenario::ObjectType;
-use cranny_spatial::{Pose, Vector};
+use cranny_spatial::Pose;
 use rapier3d_f64::prelude::{Collider, PhysicsWorld, RigidBodyHandle};
 
 use crate::grasping::shake_test_check::check_shake_test;
@@ -33,7 +33,7 @@ pub struct GraspTest {
 }
 
 impl GraspTest {
-    /// Creates a test of an object at a pose in the planning frame, with z up, among `surroundings`; the object comes to rest.
+    /// Creates a test of an object at a pose in the planning frame among `surroundings`; the object comes to rest.
     ///
     /// # Errors
     /// [`SimError::NoFingers`], [`SimError::NoStroke`] and [`SimError::ClosingForce`] for a hand that cannot close,
@@ -74,7 +74,7 @@ impl GraspTest {
             load: None,
         };
         test.settle();
-        let up = test.world_from_object.rotation.inverse() * Vector::z();
+        let up = test.world_from_object.rotation.inverse() * test.physics.up;
         let states = LoadState::along(&test.shake_test);
         test.load =
             held.zip(pads).map(|(held, pads)| LoadMeasure::new(held, pads, closing_force_n, up, states));

@@ -124,9 +124,9 @@ impl<'a> GraspTrial<'a> {
         if let Some(outcome) = self.blocked() {
             return self.ended(outcome, (0.0, 0.0), 0.0, 0.0);
         }
-        let shake_test = self.test.shake_test;
+        let (shake_test, up) = (self.test.shake_test, self.test.physics.up);
         let mut advance = |trial: &mut Self, time_s: f64| {
-            let next = shake_test.world_from_hand(world_from_hand, time_s);
+            let next = shake_test.world_from_hand(world_from_hand, &up, time_s);
             trial.world.bodies[trial.gripper.palm].set_next_kinematic_position(engine::pose(&next));
         };
         self.grasp(Move { duration_s: shake_test.duration_s(), advance: &mut advance }, None)

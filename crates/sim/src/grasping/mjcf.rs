@@ -52,7 +52,7 @@ struct Mjcf {
 
 impl Mjcf {
     fn text(&self, test: &GraspTest) -> String {
-        let Physics { gravity, step_s, rolling_m, .. } = test.physics;
+        let Physics { gravity, up, step_s, rolling_m, .. } = test.physics;
         let timestep_s = step_s / mujoco_steps(&test.physics) as f64;
         let ContactReference { time_constant_s, damping_ratio, impedance } =
             ContactReference::new(&test.physics, timestep_s);
@@ -63,7 +63,7 @@ impl Mjcf {
         format!(
             r#"<mujoco model="grasp test">
   <compiler angle="radian" autolimits="true"/>
-  <option timestep="{timestep_s}" gravity="0 0 {down}" integrator="implicitfast" solver="Newton" cone="elliptic" impratio="{IMPEDANCE_RATIO}" iterations="100" tolerance="1e-12"/>
+  <option timestep="{timestep_s}" gravity="{down}" integrator="implicitfast" solver="Newton" cone="elliptic" impratio="{IMPEDANCE_RATIO}" iterations="100" tolerance="1e-12"/>
   <default>
     <equality solref="{time_constant_s} 1" solimp="{IMPEDANCE}"/>
     <joint solreflimit="{time_constant_s} 1" solimplimit="{IMPEDANCE}"/>
@@ -94,7 +94,8 @@ impl Mjcf {
             of_shell = 1 + 8 + 16,
             // A tip is light, and contacts yield in proportion to mass.
             rigid_s = 2.0 * timestep_s,
-            down = -gravity,
+            // Adding zero removes the sign of a zero.
+            down = numbers((up * -gravity).map(|x| x + 0.0).as_slice()),
             meshes = self.meshes,
             bodies = self.bodies,
             couplings = self.couplings,

@@ -1,6 +1,7 @@
 use cranny_grasp::smooth_share;
 use cranny_robot::{IkSettings, IkSolver, Robot};
-use cranny_spatial::Pose;
+use cranny_spatial::Vector;
+use cranny_spatial::nalgebra::Translation3;
 
 /// Configurations of a straight vertical lift.
 pub(crate) struct Lift {
@@ -12,15 +13,16 @@ pub(crate) struct Lift {
 const RUNG_M: f64 = 0.001;
 
 impl Lift {
-    /// Computes a lift from a configuration (m, rad; one per joint), up to `lift_m` or to a jump of the inverse kinematics.
-    pub fn new(robot: &Robot, from: &[f64], lift_m: f64) -> Self {
+    /// Computes a lift from a configuration (m, rad; one per joint) along the unit vector `up` of the planning frame, up to
+    /// `lift_m` or to a jump of the inverse kinematics.
+    pub fn new(robot: &Robot, from: &[f64], up: &Vector, lift_m: f64) -> Self {
         let world_from_gripper = *robot.frames_at(from).link(robot.tip());
         let mut solver = IkSolver::new(robot, IkSettings::default());
         let mut rungs = vec![from.to_vec()];
         let mut lifted_m = 0.0;
         while lifted_m < lift_m {
             let next_m = (lifted_m + RUNG_M).min(lift_m);
-            let target = Pose::translation(0.0, 0.0, next_m) * world_from_gripper;
+            let target = Translation3::from(up * next_m) * world_from_gripper;
             let Some(next) = solver.step_from(&target, &rungs[rungs.len() - 1]) else { break };
             rungs.push(next);
             lifted_m = next_m;

@@ -51,7 +51,7 @@ impl<'a> PlanMotion<'a> {
         Ok(Self {
             reach,
             onward,
-            lift: Lift::new(robot, &end(reach), lift_m),
+            lift: Lift::new(robot, &end(reach), &test.physics.up, lift_m),
             moving_s: onward.map_or(test.shake_test.lift_s, Trajectory::duration_s),
             off,
             opening_s: path.hand_times_s().get(1).copied().unwrap_or(CLOSING_S),

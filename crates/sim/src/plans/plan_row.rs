@@ -26,7 +26,7 @@ pub struct PlanRow {
     pub pushed_m: f64,
     /// See [`PlanRun`].
     pub lift_m: f64,
-    /// See [`PlanRun::rose_m`].
+    /// See [`PlanRun`].
     pub rose_m: f64,
     /// See [`PlanRun`].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -159,7 +159,7 @@ impl PlanRow {
             contacts: run.contacts.clone(),
             pushed_m: run.pushed_m,
             lift_m: run.lift_m,
-            rose_m: run.rose_m(),
+            rose_m: run.rose_m,
             released: run.released.zip(grasp.world_from_released).map(|(off, at)| Released {
                 position_m: at.translation.vector.into(),
                 quaternion_xyzw: at.rotation.coords.into(),

@@ -16,6 +16,8 @@ pub struct PlanRun {
     pub pushed_m: f64,
     /// Height of the vertical lift, in metres: as far as the arm can reach straight up, at most the requested one.
     pub lift_m: f64,
+    /// Height of the origin of the object at the end above that at the beginning, in metres.
+    pub rose_m: f64,
     /// Pose of the object before any motion, in the planning frame.
     pub world_from_resting: Pose,
     /// Error of the object at its release, relative to the planned set-down pose; `None` if it was not released.
@@ -88,11 +90,6 @@ impl PlanRun {
             (Some(_), _) => PlanOutcome::Misplaced,
             (None, _) => PlanOutcome::Grasped(self.grasp.outcome),
         }
-    }
-
-    /// Height of the origin of the object at the end above that at the beginning, in metres.
-    pub fn rose_m(&self) -> f64 {
-        self.grasp.world_from_object.translation.z - self.world_from_resting.translation.z
     }
 }
 

@@ -84,6 +84,10 @@ impl PlanTest {
             contacts,
             pushed_m,
             lift_m: motion.lift.lift_m,
+            rose_m: {
+                let [ended, began] = [&grasp.world_from_object, &world_from_resting];
+                (ended.translation.vector - began.translation.vector).dot(&self.test.physics.up)
+            },
             world_from_resting,
             released: grasp.world_from_released.as_ref().and_then(off),
             placed: grasp.world_from_released.and_then(|_| off(&grasp.world_from_object)),
