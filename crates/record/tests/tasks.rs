@@ -144,6 +144,17 @@ fn cans_and_mugs_are_carried_upright() {
     }
 }
 
+/// A task that begins with a motion has a single goal there. If the stages after it fail from there, they are searched again.
+#[test]
+fn a_first_motion_to_one_configuration_does_not_end_the_search_of_the_later_stages() {
+    let stages = vec![Stage::home(), Stage::pick(), Stage::Move(Move::Clear { clear_m: 0.05 })];
+    let ask = PlanOptions { task: Some(TaskSelection::Stages(stages)), ..PlanOptions::default() };
+    for name in ["mug_gap", "mug_shelf"] {
+        let (scenario, plan) = solved(&example(name), &ask);
+        assert!(judged(&scenario, &plan).audit.valid, "{name}");
+    }
+}
+
 #[test]
 fn an_object_is_brought_into_a_region_of_poses() {
     let ask = PlanOptions { task: Some(TaskSelection::Named("sort".to_owned())), ..PlanOptions::default() };

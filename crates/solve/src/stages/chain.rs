@@ -1,3 +1,5 @@
+mod first_move;
+
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -326,44 +328,6 @@ impl<'a> Chain<'a> {
         let lift_off = (off.segment(index, Mode::LIFT_OFF, path), None);
         let onward = self.through(index + 1, &off, Some(held), observer)?;
         Ok(onward.map(|onward| [vec![lift_off], onward].concat()))
-    }
-
-    /// Searches a move as the first stage with the planner, and from there all others.
-    fn first_move(
-        &mut self,
-        goal: &Move,
-        (planner, budget): (&dyn Planner, Budget),
-        state: &State,
-        observer: &mut dyn Observer,
-    ) -> Result<Through, SolveError> {
-        let drawn = |towards: Towards| towards.goals(&self.effort, state);
-        let drawn = || Towards::of(goal, None, self.problem).map_or_else(Vec::new, drawn);
-        let problem = match goal.regions(self.problem)? {
-            Some(regions) => state.moving_into(regions)?,
-            None => state.moving(goal.ends(self.problem).unwrap_or_else(drawn))?,
-        };
-        let seed = self.next_seed(0);
-        let mut search = begin_search(planner, &problem, &budget, seed)?;
-        loop {
-            let report = search.next(observer)?;
-            if report.outcome != Outcome::Solved {
-                self.effort.count(&report.statistics, Outcome::Solved);
-                (self.outcome, self.refused) = (report.outcome, report.refused);
-                return Ok(Err(FailureReason::NotMoved));
-            }
-            let there = state.at(report.path.last().map_or(&[], |q| &q[..]));
-            match self.through(1, &there, None, observer)? {
-                Ok(onward) => {
-                    self.effort.count(&report.statistics, Outcome::Solved);
-                    // The end of the last motion may move within its goal.
-                    let solved =
-                        if self.stages.len() == 1 { problem.clone() } else { state.moving(vec![there.q])? };
-                    let moved = (Segment::empty(0, Mode::REACH, report.path), Some(solved));
-                    return Ok(Ok([vec![moved], onward].concat()));
-                }
-                Err(_) => search.reject(),
-            }
-        }
     }
 
     /// Searches a move after the first stage, with or without an object in the hand, and all stages that follow.
