@@ -16,6 +16,7 @@ use crate::arguments::{IkArguments, Output};
 use crate::failure::Failure;
 use crate::planning::task::{Demand, Task};
 use crate::progress::{bar, stop_on_interrupt};
+use crate::statements::demanded_margins;
 use crate::text::{self, degrees, millimetres};
 
 /// Output of `ik --json`; its keys are stable.
@@ -77,7 +78,8 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
     }
     let grasps = annotations.iter().map(annotated).collect();
     let answered = Answered { scenario: &scenario.id, solved, stopped: is_stopped, grasps };
-    text::answer(&answered, || page(&scenario.id, &annotations, solved), output)?;
+    let margins = problem.cell().map_or_else(Vec::new, |cell| demanded_margins(&cell.margins()));
+    text::answer(&answered, || page(&scenario.id, &annotations, solved, &margins), output)?;
     // An incomplete run is not a positive answer, even if the processed grasps have solutions.
     Ok(if solved > 0 && !is_stopped { Answer::Done } else { Answer::No })
 }
@@ -112,7 +114,7 @@ fn attempts(annotation: &IkAnnotation) -> String {
     counted(annotation.attempts, "attempt")
 }
 
-fn page(id: &str, annotations: &[IkAnnotation], solved: usize) -> String {
+fn page(id: &str, annotations: &[IkAnnotation], solved: usize, margins: &[String]) -> String {
     let mut page =
         format!("{id}: a free exact configuration for {solved} of {}\n", counted(annotations.len(), "grasp"));
     let mut reasons: BTreeMap<String, usize> = BTreeMap::new();
@@ -140,6 +142,10 @@ fn page(id: &str, annotations: &[IkAnnotation], solved: usize) -> String {
     }
     for (reason, count) in reasons {
         let _ = writeln!(page, "  {count:>4}  {reason}");
+    }
+    if solved < annotations.len() && !margins.is_empty() {
+        let margins = margins.join(", ");
+        let _ = writeln!(page, "  bodies closer than required count as touching: {margins}");
     }
     if let [annotation] = annotations {
         for s in &annotation.solutions {

@@ -232,8 +232,12 @@ const CLOSED_GAP_OFF_M: f64 = 1e-3;
 
 /// Describes the contact of a hand at a grasp, whatever the arm does.
 pub fn hand_collides(link: &str, body: &str, is_proven: bool) -> String {
-    let certainty = if is_proven { "proven impossible" } else { "blocked at its exact pose" };
-    format!("{certainty}: whatever the arm does, {link} collides with {body}")
+    if is_proven {
+        return format!(
+            "proven impossible: whatever the arm does, the hand or the link that carries it collides (at the exact pose {link} with {body})"
+        );
+    }
+    format!("whatever the arm does, {link} collides with {body} at the exact pose")
 }
 
 impl FailureReason {
