@@ -180,4 +180,5 @@ def test_every_flag_works_with_every_task_or_is_refused_by_one_message(
     assert ended.returncode == (0 if plan else 1), ended.stderr
     if "--cost" not in flags:
         assert without_times(theirs) == without_times(ours)
-    assert plan.verify()
+    # A limit of iterations may end a task of several steps first.
+    assert not plan or plan.verify()

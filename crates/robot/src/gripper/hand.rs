@@ -25,6 +25,12 @@ pub struct RobotHand {
 }
 
 impl RobotHand {
+    /// Returns the gap that stays between the pads of the closed hand, in metres: no thinner object is held. It is 0 for a hand
+    /// that does not close.
+    pub fn closed_gap_m(&self) -> f64 {
+        if self.fingers == 0 { 0.0 } else { self.pads.opening_m(1.0) }
+    }
+
     /// Returns the first known hand of `options` whose fingers the robot has, if any; `rest`: poses of `links` with it open.
     pub(crate) fn of(
         urdf: &Urdf,

@@ -247,7 +247,7 @@ impl FailureReason {
         let hand = robot.hand()?;
         let opening_m = hand.description.opening_m;
         let width_m = grasp.width_m?;
-        if opening_m > 0.0 && width_m < hand.pads.opening_m(1.0) - CLOSED_GAP_OFF_M {
+        if opening_m > 0.0 && width_m < hand.closed_gap_m() - CLOSED_GAP_OFF_M {
             return Some(Self::ClosesOnNothing);
         }
         if width_m <= opening_m + WIDTH_TOLERANCE_M {

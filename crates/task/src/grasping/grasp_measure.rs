@@ -37,10 +37,8 @@ impl GraspMeasure {
         if !(friction > 0.0 && friction.is_finite()) {
             return Err(lacking("a positive coefficient of friction"));
         }
-        let [opening_m, closed_gap_m] = cell
-            .robot()
-            .hand()
-            .map_or([0.0; 2], |hand| [hand.description.opening_m, hand.pads.opening_m(1.0)]);
+        let [opening_m, closed_gap_m] =
+            cell.robot().hand().map_or([0.0; 2], |hand| [hand.description.opening_m, hand.closed_gap_m()]);
         if opening_m <= 0.0 {
             return Err(lacking("a hand that opens"));
         }
