@@ -29,6 +29,7 @@ fn asked(problem: &Problem, stages: Vec<Stage>) -> Answer {
     let request = Request {
         stages,
         robustness: true,
+        seed: 1,
         budget: cranny_plan::Budget { iterations: 3000, ..cranny_plan::Budget::default() },
         ..Request::default()
     };
@@ -66,7 +67,7 @@ fn a_post_beside_the_object_is_an_obstacle_of_its_lift_off() {
     assert!(answer.is_solved(), "{:?} {:?}", answer.outcome, answer.failures);
     let audit = answer.audit.as_ref().unwrap();
     let clearance_m = audit.clearance_m.unwrap();
-    assert!(clearance_m <= 0.001 && clearance_m > 0.0002, "{clearance_m}");
+    assert!(clearance_m <= 0.001 && clearance_m > 0.0005, "{clearance_m}");
     // The object has this clearance for slip in the hand, and no more.
     let slip_m = answer.robustness.unwrap().slip.unwrap().translation_m;
     assert!(slip_m <= 0.001, "{slip_m}");

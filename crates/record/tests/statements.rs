@@ -1,5 +1,6 @@
 //! Statements of a plan file besides its path are measured; one that differs is false, or is named.
 
+use cranny_file::distinct;
 use cranny_path::{AuditSettings, Cause, Violation};
 use cranny_plan::Unobserved;
 use cranny_record::{Judgement, PlanFile, PlanSource, RecordError};
@@ -49,16 +50,24 @@ fn a_figure_beyond_what_is_measured_is_a_violation() {
     assert!(own.compared.contains(&"robustness") && own.not_compared.contains(&"seed"));
     let clearance_m = plan["clearance_m"].as_f64().unwrap();
     let base_m = plan["robustness"]["base"]["translation_m"].as_f64().unwrap() * 1.02;
+    let [false_mm, true_mm] = distinct([1.02, 1.0].map(|share| 1e3 * share * clearance_m), 2);
+    let [false_base_mm, true_base_mm] = distinct([base_m, base_m / 1.02].map(|m| 1e3 * m), 2);
     let grasp = plan["grasp"].as_u64().unwrap();
     let duration_s = plan["timing"]["duration_s"].as_f64().unwrap();
     let least = plan["least_length"].as_f64().unwrap();
     for (pointer, value, says) in [
         ("/least_length", json!(1.02 * least), "least_length: the file states".to_owned()),
-        ("/clearance_m", json!(1.02 * clearance_m), "clearance_m: the file states".to_owned()),
+        (
+            "/clearance_m",
+            json!(1.02 * clearance_m),
+            format!("clearance_m: the file states {false_mm} mm, measured {true_mm} mm"),
+        ),
         (
             "/robustness/base/translation_m",
             json!(base_m),
-            "robustness.base.translation_m: the file states".to_owned(),
+            format!(
+                "robustness.base.translation_m: the file states {false_base_mm} mm, measured {true_base_mm} mm"
+            ),
         ),
         ("/robustness/base", Value::Null, "robustness.base: the file states nothing".into()),
         ("/outcome", json!("gave-up"), "outcome: the file states \"gave-up\", measured \"solved\"".into()),

@@ -1,6 +1,7 @@
 //! Tasks of several stages: their plans, the statements of their files, and plans of earlier formats.
 
 use cranny_collision::Margins;
+use cranny_grasp::{Grasp, GraspSet};
 use cranny_path::{AuditSettings, Violation};
 use cranny_plan::{Outcome, Unobserved};
 use cranny_record::{Judgement, PlanFile, PlanOptions, PlanSource, TaskSelection};
@@ -153,6 +154,19 @@ fn a_first_motion_to_one_configuration_does_not_end_the_search_of_the_later_stag
         let (scenario, plan) = solved(&example(name), &ask);
         assert!(judged(&scenario, &plan).audit.valid, "{name}");
     }
+}
+
+#[test]
+fn a_first_motion_before_a_pick_that_cannot_be_is_not_repeated_until_the_time_is_over() {
+    let far = GraspSet::new(vec![Grasp::at(Pose::translation(9.0, 0.0, 1.0))]).unwrap();
+    let scenario = Scenario { grasps: far, ..Scenario::open("021", &OpenOptions::default()).unwrap() };
+    let stages = vec![Stage::home(), Stage::pick(), Stage::Move(Move::Clear { clear_m: 0.05 })];
+    let ask = PlanOptions { task: Some(TaskSelection::Stages(stages)), ..PlanOptions::default() };
+    let problem = scenario.problem(Margins::default()).unwrap();
+    let (request, _) = ask.request(&problem, Some(&scenario)).unwrap();
+    let answer = solve(&problem, &request, &mut Unobserved).unwrap();
+    assert_eq!(answer.outcome, Outcome::GaveUp);
+    assert!(answer.statistics.iterations < 1000, "{:?}", answer.statistics);
 }
 
 #[test]

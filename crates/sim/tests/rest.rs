@@ -16,8 +16,7 @@ fn the_target_of_every_built_in_scenario_rests_where_it_stands() {
     }
 }
 
-/// Frustums of a cone on faces with 5 to 48 corners: on a plane, the engine supports a face by its first four corners only, unless
-/// it is told better ones.
+/// Frustums of a cone on faces with 5 to 48 corners. The engine alone supports a face on a plane at its first four corners.
 #[test]
 fn faces_with_many_corners_stand_on_the_floor() {
     for corners in [5, 6, 7, 12, 48] {

@@ -11,7 +11,8 @@ pub struct IkSearchSettings {
     /// Settings of each attempt.
     pub ik: IkSettings,
     /// Two configurations are the same solution if no prismatic joint differs by more than this, in metres, and no revolute
-    /// one by more than `distinct_rad`, modulo whole turns for an endless joint. Default 0.05 m: the base of the Panda moved by an eighth of its width.
+    /// one by more than `distinct_rad`, modulo whole turns for an endless joint. Default 0.05 m: the base of the Panda moved by
+    /// an eighth of its width.
     pub distinct_m: f64,
     /// See `distinct_m`. Default 0.1 rad, which moves an outstretched arm's hand by 0.08 m.
     pub distinct_rad: f64,

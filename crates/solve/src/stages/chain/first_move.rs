@@ -22,7 +22,7 @@ impl Chain<'_> {
         };
         let seed = self.next_seed(0);
         let mut search = begin_search(planner, &problem, &budget, seed)?;
-        let mut stuck: Option<FailureReason> = None;
+        let (mut stuck, mut tried) = (None, 0);
         loop {
             let report = search.next(observer)?;
             if report.outcome != Outcome::Solved {
@@ -30,20 +30,27 @@ impl Chain<'_> {
                 let is_over = self.effort.left().is_zero()
                     || self.effort.spent.iterations >= self.request.budget.iterations;
                 match (&stuck, report.outcome) {
-                    // Every goal was reached, but the stages after it failed: they are searched again from there.
-                    (Some(_), Outcome::GoalsInvalid) if !is_over => {
+                    // Every goal was reached, but the stages after it failed. They are searched again from there, unless they
+                    // failed without any search.
+                    (Some(_), Outcome::GoalsInvalid) if !is_over && tried > 0 => {
                         let budget = Budget { time: self.effort.left(), ..budget };
                         let seed = self.next_seed(0);
                         search = begin_search(planner, &problem, &budget, seed)?;
+                        tried = 0;
                         continue;
                     }
-                    (Some(_), Outcome::GoalsInvalid) => self.outcome = Outcome::BudgetExhausted,
+                    (Some(_), Outcome::GoalsInvalid) => {
+                        self.outcome = if is_over { Outcome::BudgetExhausted } else { Outcome::GaveUp };
+                    }
                     _ => (self.outcome, self.refused) = (report.outcome, report.refused),
                 }
                 return Ok(Err(stuck.unwrap_or(FailureReason::NotMoved)));
             }
             let there = state.at(report.path.last().map_or(&[], |q| &q[..]));
-            match self.through(1, &there, None, observer)? {
+            let before = self.effort.spent.iterations;
+            let through = self.through(1, &there, None, observer)?;
+            tried += self.effort.spent.iterations - before;
+            match through {
                 Ok(onward) => {
                     self.effort.count(&report.statistics, Outcome::Solved);
                     // The end of the last motion may move within its goal.
