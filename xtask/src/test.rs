@@ -31,7 +31,11 @@ const STEPS: [Step; 9] = [
         },
     },
     Step { name: "tidy", needs: |_| Readiness::Ready, action: |_| tidy_step() },
-    Step { name: "pages", needs: |_| Readiness::Ready, action: pages },
+    Step {
+        name: "pages",
+        needs: |_| Readiness::Ready,
+        action: |here| pages(here, &["--package", "cranny-collision"]),
+    },
     Step { name: "tests", needs: |_| Readiness::Ready, action: tests },
     Step {
         name: "doc tests",
@@ -62,7 +66,8 @@ const BESIDE: [Step; 3] = [
 ];
 
 /// Additional checks of a long run: those that rarely fail, or whose tools are rarely installed.
-const LONG_STEPS: [Step; 7] = [
+const LONG_STEPS: [Step; 8] = [
+    Step { name: "all pages", needs: |_| Readiness::Ready, action: |here| pages(here, &["--workspace"]) },
     Step { name: "site", needs: site::readiness, action: site::check },
     Step { name: "LaTeX", needs: latex::readiness, action: latex::check },
     Step { name: "a planner from outside", needs: own_planner::readiness, action: own_planner::check },
@@ -199,8 +204,9 @@ fn tests(here: &Surroundings) -> Result<(), String> {
 /// Seed of property tests, so that a run can be repeated; set it to test other cases.
 const PROPTEST_SEED: &str = "PROPTEST_RNG_SEED";
 
-fn pages(here: &Surroundings) -> Result<(), String> {
-    let mut command = here.cargo(&["doc", "--release", "--no-deps", "--workspace"]);
+/// Builds the pages of the programming interface, of all crates only in a long run: that takes minutes.
+fn pages(here: &Surroundings, packages: &[&str]) -> Result<(), String> {
+    let mut command = here.cargo(&[&["doc", "--release", "--no-deps"], packages].concat());
     command.env("RUSTDOCFLAGS", "-D warnings");
     step::succeed(command)
 }

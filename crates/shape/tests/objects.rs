@@ -92,6 +92,32 @@ fn a_cavity_is_kept_and_a_body_within_another_is_part_of_it() {
     }
 }
 
+/// A body that touches another one at a face, an edge or a corner stays, on whichever side it is; one within it does not.
+#[test]
+fn a_body_that_touches_another_is_no_part_of_it() {
+    let block = cuboid(0.2, 0.2, 0.2);
+    let small = cuboid(0.06, 0.05, 0.04);
+    let beside = [0.13, 0.125, 0.12];
+    let within = [0.07, 0.075, 0.08];
+    for pattern in 1..8_u8 {
+        let touching = |axis: u8| pattern >> axis & 1 == 1;
+        for side in [-1.0, 1.0] {
+            for (reach, is_kept) in [(beside, true), (within, false)] {
+                let place = |axis: u8| if touching(axis) { side * reach[usize::from(axis)] } else { 0.003 };
+                let other = moved(&small, &shift(place(0), place(1), place(2)));
+                for soup in [together(&block, &other), together(&other, &block)] {
+                    let repaired = RepairedMesh::of(&soup).unwrap();
+                    let volume_m3 = if is_kept { 0.008 + 0.000_12 } else { 0.008 };
+                    assert!(
+                        (repaired.soup.signed_volume_m3() - volume_m3).abs() < 1e-12,
+                        "{pattern} {side} {is_kept}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn what_cannot_be_repaired_is_refused_with_its_reason() {
     let mut open = cuboid(0.1, 0.1, 0.1);

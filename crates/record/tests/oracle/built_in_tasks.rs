@@ -63,7 +63,7 @@ fn nothing_that_is_brought_in_touches_anything() {
 
 #[test]
 fn no_step_of_several_touches_anything() {
-    let ids = chosen(sequences().iter().map(|entry| entry.id), &["235"]);
+    let ids = chosen(sequences().iter().map(|entry| entry.id), &["213"]);
     assert!(!ids.is_empty());
     let faults = for_each(&ids, |id| {
         let scenario = Scenario::open(id, &OpenOptions::default()).unwrap();

@@ -9,7 +9,7 @@ use crate::inside::near_pairs::most_pairs;
 use crate::inside::same_place::merged;
 use crate::inside::shell::{DEGENERATE, Facet, Shell, shells};
 use crate::inside::shell_sides::ShellSides;
-use crate::surface::triangles_meet;
+use crate::surface::{Surface, triangles_meet};
 use crate::{Aabb, MeshRepairs, ShapeError, TriangleSoup};
 
 /// Mesh with a well-defined inside, independent of the windings in its file.
@@ -233,8 +233,9 @@ pub(crate) struct Nest<'a> {
     shells: &'a [Shell],
     tree: TriangleTree,
     walls: ShellSides,
-    /// Tree over the boxes of the shells.
-    boxes: TriangleTree,
+    /// Box of each shell, and a tree over them.
+    boxes: Vec<Aabb>,
+    box_tree: TriangleTree,
     /// Number of triangles with which segments may still be compared.
     left: usize,
 }
@@ -243,12 +244,14 @@ impl<'a> Nest<'a> {
     pub fn new(soup: &'a TriangleSoup, shells: &'a [Shell]) -> Self {
         let corners: Vec<[Point; 3]> = (0..soup.triangles.len()).map(|t| soup.corners(t)).collect();
         let walls = ShellSides::new(soup.triangles.len(), shells.iter().map(|shell| shell.facets.as_slice()));
-        let boxes = TriangleTree::of_boxes(shells.iter().map(|shell| box_around(soup, &shell.facets)));
+        let boxes: Vec<Aabb> = shells.iter().map(|shell| box_around(soup, &shell.facets)).collect();
+        let box_tree = TriangleTree::of_boxes(boxes.iter().copied());
         let left = most_pairs(soup.triangles.len());
-        Self { soup, shells, tree: TriangleTree::new(&corners), walls, boxes, left }
+        Self { soup, shells, tree: TriangleTree::new(&corners), walls, boxes, box_tree, left }
     }
 
-    /// Shells around a shell, tested at one of its corners, in ascending order.
+    /// Shells around a shell that passes through none of them, in ascending order; shells that only touch it from outside are none.
+    /// Of two shells with a common inner point, the one with the greater volume is around the other.
     ///
     /// # Errors
     /// [`ShapeError::NestedBodies`], [`ShapeError::ManyBodies`].
@@ -257,23 +260,63 @@ impl<'a> Nest<'a> {
         const MOST: usize = 100;
         /// Above the rounding of boxes, in metres.
         const ROUNDING_M: f64 = 1e-9;
-        let corners = |triangle: u32| self.soup.corners(triangle as usize);
-        let witness = corners(self.shells[shell].facets[0].triangle)[0];
-        // A shell winds around no point outside its box.
-        let witness_box = Aabb::around([&witness], ROUNDING_M);
-        if self.boxes.near(&witness_box).all(|other| other as usize == shell) {
-            return Ok(Vec::new());
+        let (low, high) = (self.boxes[shell].low(), self.boxes[shell].high());
+        let volume_m3 = |shell: usize| self.shells[shell].volume_m3.abs();
+        let is_larger = |other: &u32| {
+            let other = *other as usize;
+            let size = volume_m3(other).total_cmp(&volume_m3(shell)).then(shell.cmp(&other));
+            let grown = self.boxes[other].grown(ROUNDING_M);
+            size.is_gt() && grown.contains(&low) && grown.contains(&high)
+        };
+        let mut larger: Vec<u32> =
+            self.box_tree.near(&Aabb::around([&low], ROUNDING_M)).filter(is_larger).collect();
+        if larger.is_empty() {
+            return Ok(larger);
         }
         let compared = Cell::new(0);
-        let counted = |triangle| {
+        let corners = |triangle: u32| {
             compared.set(compared.get() + 1);
-            corners(triangle)
+            self.soup.corners(triangle as usize)
         };
-        let around = self.walls.around(&self.tree, counted, &witness, u32::try_from(shell).ok());
+        let around = self.around_inner_point(shell, corners);
         self.left =
             self.left.checked_sub(compared.get()).ok_or_else(|| many_bodies(self.soup, self.shells))?;
-        let bodies = around.len();
-        if bodies <= MOST { Ok(around) } else { Err(ShapeError::NestedBodies { bodies, most: MOST }) }
+        larger.retain(|other| around.binary_search(other).is_ok());
+        larger.sort_unstable();
+        let bodies = larger.len();
+        if bodies <= MOST { Ok(larger) } else { Err(ShapeError::NestedBodies { bodies, most: MOST }) }
+    }
+
+    /// Shells around a point within a shell, in ascending order: half-way from the middle of one of its large faces to the wall
+    /// behind, where no shell passes that only touches it. Of a shell without such a point, one of its corners is taken.
+    fn around_inner_point(&self, shell: usize, corners: impl Fn(u32) -> [Point; 3]) -> Vec<u32> {
+        /// Number of faces that are tried.
+        const MOST: usize = 16;
+        let Shell { facets, .. } = &self.shells[shell];
+        let normal = |facet: &Facet| {
+            let [a, b, c] = self.soup.corners(facet.triangle as usize);
+            let normal = (b - a).cross(&(c - a));
+            if facet.is_inward { normal } else { -normal }
+        };
+        let mut largest: Vec<(f64, &Facet)> =
+            facets.iter().map(|facet| (normal(facet).norm_squared(), facet)).collect();
+        largest.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        let surface = Surface::of_corners(facets.iter().map(|facet| corners(facet.triangle)).collect());
+        let reach_m = 4.0 * self.boxes[shell].half_extents.norm();
+        for (_, facet) in largest.into_iter().take(MOST) {
+            let [a, b, c] = self.soup.corners(facet.triangle as usize);
+            let middle = Point::from((a.coords + b.coords + c.coords) / 3.0);
+            let Some(inward) = normal(facet).try_normalize(0.0) else { continue };
+            let hits = surface.ray_hits(&middle, &inward, reach_m);
+            let wall = hits.iter().map(|hit| hit.distance_m).find(|distance_m| *distance_m > 1e-9 * reach_m);
+            let Some(depth_m) = wall else { continue };
+            let around = self.walls.around(&self.tree, &corners, &(middle + inward * (0.5 * depth_m)), None);
+            if around.iter().any(|own| *own as usize == shell) {
+                return around;
+            }
+        }
+        let corner = corners(facets[0].triangle)[0];
+        self.walls.around(&self.tree, corners, &corner, u32::try_from(shell).ok())
     }
 }
 
