@@ -402,11 +402,13 @@ impl PyScenario {
         });
         let scenario = (**own).clone();
         // A planning scene does not state the masses of objects.
-        let scenario = if place.is_some_and(|place| place < read.bodies().len()) {
-            Scenario { target_source: None, given_physics: TargetPhysics::default(), ..scenario }
-        } else {
-            scenario
-        };
+        let is_kept = |name: &String| read.bodies().iter().all(|body| body.name != *name);
+        let mut scenario = scenario;
+        scenario.sources.retain(|name, _| is_kept(name));
+        scenario.physics.retain(|name, _| is_kept(name));
+        if place.is_some_and(|place| place < read.bodies().len()) {
+            scenario.given_physics = TargetPhysics::default();
+        }
         let world = scenario.world.with_bodies(bodies).map_err(fault)?;
         let scenario = Scenario { world, target: place, export: None, ..scenario };
         let caller = slf.getattr("with_moveit_scene")?;

@@ -69,7 +69,7 @@ impl Robot {
     }
 
     /// Content of the URDF that was not read, one line for each kind with its file and line. None of it affects geometry or
-    /// motion: such content would be an error.
+    /// motion, except as its line states: other such content would be an error.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }

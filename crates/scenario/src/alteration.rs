@@ -4,7 +4,7 @@ use cranny_collision::{Body, World};
 use cranny_grasp::GraspSet;
 use cranny_spatial::Pose;
 
-use crate::{Scenario, ScenarioError, TargetPhysics};
+use crate::{Scenario, ScenarioError};
 
 impl Scenario {
     /// Returns the scenario with an additional obstacle. The triangles of a released export do not contain it and are dropped.
@@ -35,12 +35,12 @@ impl Scenario {
             .target
             .filter(|&target| target != removed)
             .map(|target| if removed < target { target - 1 } else { target });
-        let altered = Self { world: self.world.with_bodies(bodies)?, target, export: None, ..self.clone() };
-        Ok(if target.is_some() {
-            altered
-        } else {
-            Self { target_source: None, given_physics: TargetPhysics::default(), ..altered }
-        })
+        let (mut sources, mut physics) = (self.sources.clone(), self.physics.clone());
+        sources.remove(name);
+        physics.remove(name);
+        let given_physics = target.map(|_| self.given_physics).unwrap_or_default();
+        let world = self.world.with_bodies(bodies)?;
+        Ok(Self { world, target, sources, physics, given_physics, export: None, ..self.clone() })
     }
 
     /// Returns the scenario with the target moved by `motion`, a rigid motion in the planning frame, and all grasps with it.

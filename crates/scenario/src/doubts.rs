@@ -32,9 +32,9 @@ pub fn brief_model_notes(robot: &Robot, world: &World) -> Vec<String> {
         0 | 1 => notes,
         count => vec![all(count)],
     };
-    let see = format!("`cranny robot check` of robot '{name}' lists them");
+    let see = format!("`cranny robot check` with the files of robot '{name}' lists them");
     let unread = brief(robot.notes().to_vec(), &|count| {
-        format!("{count} kinds of content of URDF and SRDF are not read, and no plan depends on them: {see}")
+        format!("{count} kinds of content of the robot's model are not read, or not as they stand: {see}")
     });
     let links =
         brief(link_repairs(robot), &|count| format!("the meshes of {count} links were repaired: {see}"));

@@ -12,8 +12,8 @@ use strum::{EnumString, IntoStaticStr};
 
 use crate::robot::hand;
 use crate::{
-    CloudCounts, DEFAULT_FRICTION, GivenGrasps, NamedTask, ObjectSource, RobotSource, ScenarioError,
-    SeenSpace, StatedSpeed, TargetPhysics,
+    CloudCounts, DEFAULT_FRICTION, GivenGrasps, NamedTask, ObjectSource, ObjectType, RobotSource,
+    ScenarioError, SeenSpace, StatedSpeed, TargetPhysics,
 };
 
 /// Colours of bodies by name, one for each part: red, green and blue, 0 to 1, sRGB; `None` for a part without one. Bodies without
@@ -35,8 +35,8 @@ pub struct Scenario {
     pub world: World,
     /// Index of the body to grasp.
     pub target: Option<usize>,
-    /// Object that the target consists of, if it is a single one; its frame is that of the body's only part.
-    pub target_source: Option<ObjectSource>,
+    /// Objects that bodies consist of, by name of the body, if each is a single one; its frame is that of the body's only part.
+    pub sources: BTreeMap<String, ObjectSource>,
     /// Frame of each body of several shapes, in the frame of its first shape, by name.
     pub body_frames: BTreeMap<String, Pose>,
     /// Mass and friction that the scenario states for the target, before those of its object ([`Self::target_physics`]).
@@ -115,7 +115,7 @@ impl Scenario {
             robot_source: RobotSource::Other,
             world,
             target: None,
-            target_source: None,
+            sources: BTreeMap::new(),
             body_frames: BTreeMap::new(),
             given_physics: TargetPhysics::default(),
             start,
@@ -157,14 +157,35 @@ impl Scenario {
         if self.target == Some(target) {
             return Ok(self.clone());
         }
-        let given_physics = self.physics_of(target);
-        Ok(Self { target: Some(target), target_source: None, given_physics, ..self.without_grasps() })
+        let mut physics = self.physics.clone();
+        if let Some(own) = self.target {
+            physics.insert(self.world.bodies()[own].name.clone(), self.given_physics);
+        }
+        let given_physics = physics.remove(name).unwrap_or_default();
+        Ok(Self { target: Some(target), physics, given_physics, ..self.without_grasps() })
     }
 
-    /// Returns mass and friction that the scenario states for a body other than the target.
+    /// Returns mass and friction of a body: those that the scenario states, otherwise those of its object.
     pub fn physics_of(&self, body: usize) -> TargetPhysics {
-        let name = &self.world.bodies()[body].name;
-        self.physics.get(name).copied().unwrap_or_default()
+        let stated = match self.target {
+            Some(target) if target == body => Some(self.given_physics),
+            _ => self.physics.get(&self.world.bodies()[body].name).copied(),
+        };
+        let of_object = self.source_of(body).map(ObjectSource::physics);
+        stated.unwrap_or_default().or(of_object.unwrap_or_default())
+    }
+
+    /// Returns mass and rolling resistance of a body, and the mass distribution that the file of its object states.
+    pub(crate) fn weight_of(&self, body: usize) -> Weight {
+        let moments = self.source_of(body).and_then(ObjectSource::own).map(ObjectType::mass_moments);
+        let TargetPhysics { mass_kg, rolling_m, .. } = self.physics_of(body);
+        Weight { mass_kg, moments, rolling_m }
+    }
+
+    /// Returns the object that a body consists of, if it is a single one.
+    pub(crate) fn source_of(&self, body: usize) -> Option<&ObjectSource> {
+        let body = &self.world.bodies()[body];
+        self.sources.get(&body.name).filter(|_| body.parts.len() == 1)
     }
 
     /// Returns the planning problem.
@@ -181,23 +202,10 @@ impl Scenario {
     /// target whose grasps cannot be evaluated ([`Problem::without_grasp_set`]); [`ScenarioError::MarginUnderPaper`] for a
     /// margin that nothing would check.
     pub fn problem(&self, margins: Margins) -> Result<Problem, ScenarioError> {
-        let bodies = 0..self.world.bodies().len();
-        let of_body = |body| match self.target {
-            Some(target) if target == body => self.target_physics(),
-            _ => self.physics_of(body),
-        };
-        let physics: Vec<TargetPhysics> = bodies.map(of_body).collect();
-        let frictions: Vec<Option<f64>> =
-            physics.iter().map(|physics| physics.least_friction().or(Some(DEFAULT_FRICTION))).collect();
-        let stated = |physics: &TargetPhysics| Weight {
-            mass_kg: physics.mass_kg,
-            moments: None,
-            rolling_m: physics.rolling_m,
-        };
-        let mut weights: Vec<Weight> = physics.iter().map(stated).collect();
-        if let (Some(target), Some(weight)) = (self.target, self.target_weight()) {
-            weights[target] = weight;
-        }
+        let bodies = || 0..self.world.bodies().len();
+        let friction = |body| Some(self.physics_of(body).least_friction().unwrap_or(DEFAULT_FRICTION));
+        let frictions: Vec<Option<f64>> = bodies().map(friction).collect();
+        let weights: Vec<Weight> = bodies().map(|body| self.weight_of(body)).collect();
         let problem =
             self.problem_with_grasp_set(margins)?.with_places(&self.places).with_regions(&self.regions);
         let problem = problem.with_frictions(&frictions).with_weights(&weights);

@@ -158,9 +158,15 @@ joint_limits:
 ";
     for file in ["joint_limits.yaml", "config/joint_limits.yaml"] {
         folder.write(file, limits);
+        // They go before those that only Cranny reads, which stay where they state none.
+        folder.write(
+            "limits.yaml",
+            "joints: {j1: {velocity: 0.9, acceleration: 9, jerk: 7}, j2: {acceleration: 3}}\n",
+        );
         let problem = folder.open().unwrap();
         let [first, second] = problem.robot.limits() else { panic!("two joints") };
         assert_eq!((first.lower, first.upper, first.acceleration), (-0.5, 1.5, Some(2.0)));
+        assert_eq!((first.jerk, second.acceleration), (Some(7.0), Some(3.0)));
         // The value of the request takes precedence over the default of the file.
         assert!((first.velocity - 0.2).abs() < 1e-12 && (second.velocity - 0.5).abs() < 1e-12);
         assert!(problem.deviations[0].to_string().contains("joint_limits.yaml"));
@@ -172,6 +178,7 @@ joint_limits:
         );
         fs::remove_file(folder.path(file)).unwrap();
     }
+    fs::remove_file(folder.path("limits.yaml")).unwrap();
     let problem = folder.open().unwrap();
     assert!((problem.robot.limits()[0].velocity - 0.5).abs() < 1e-12);
 }

@@ -57,11 +57,7 @@ impl RobotFindings {
             finding("opening", doubt, consequence, false)
         }));
         findings.push(rates(robot));
-        findings.extend(
-            robot.notes().iter().map(|note| {
-                finding("not read", note.clone(), "nothing planned or proven depends on it", false)
-            }),
-        );
+        findings.extend(robot.notes().iter().map(|note| finding("not read", note.clone(), UNREAD, false)));
         findings.extend(cranny_scenario::link_repairs(robot).into_iter().map(|repair| {
             finding("mesh", repair, "the volume that its repaired surface encloses is solid", false)
         }));
@@ -76,6 +72,9 @@ impl RobotFindings {
         self.findings.iter().all(|finding| !finding.is_fault)
     }
 }
+
+/// Consequence of content of a model that is not read.
+const UNREAD: &str = "shapes, joints and limits are complete without it, except for what the line states";
 
 fn finding(what: &'static str, found: String, consequence: impl Into<String>, is_fault: bool) -> Finding {
     Finding { what, found, consequence: consequence.into(), is_fault }

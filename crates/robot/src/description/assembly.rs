@@ -59,6 +59,12 @@ impl Robot {
                 None => return Err(unknown_joint(&urdf, rate.at().to_string(), name)),
             }
         }
+        // A range can be narrowed by either file; the rates of `joint_limits.yaml` take precedence.
+        for (name, rate) in &planning.joints {
+            if let Some(motion) = tree.joint(name).and_then(|joint| urdf.joints[joint].motion.as_mut()) {
+                rate.set_rates(&mut motion.limits);
+            }
+        }
         let scales = planning.scales(options.rate_scales);
         let is_own_group = options.group == JointGroup::RootToTip;
         let (options, description) = &options.with_open_hands(&urdf, &tree, srdf.as_ref())?;

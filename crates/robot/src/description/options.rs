@@ -10,7 +10,7 @@ pub struct RobotOptions {
     /// Groups, states and disabled pairs. Default: the file with the URDF's stem and the ending `.srdf`
     /// beside it, if there is one.
     pub srdf: Option<TextSource>,
-    /// Limits in `MoveIt`'s `joint_limits.yaml`, which replace those of the URDF. Default: none.
+    /// Limits in `MoveIt`'s `joint_limits.yaml`, which replace those of the URDF and the rates of `limits.yaml`. Default: none.
     pub joint_limits: Option<TextSource>,
     /// Scaling factors of the velocity and acceleration limits, from 0 to 1. Default: `default_velocity_scaling_factor` and
     /// `default_acceleration_scaling_factor` of `joint_limits`, else 1.

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_saphyr::Spanned;
 
-use crate::description::urdf_model::{UrdfJoint, UrdfJointKind};
+use crate::description::urdf_model::{UrdfJoint, UrdfJointKind, UrdfLimits};
 use crate::error::{Location, RobotError};
 use crate::joint_constraint::JointConstraint;
 
@@ -77,10 +77,15 @@ impl RateLimits {
             let (lower, upper) = (limits.lower, limits.upper);
             return Err(RobotError::LimitsReversed { at, joint, lower, upper });
         }
+        self.set_rates(limits);
+        Ok(())
+    }
+
+    /// Sets the limits of velocity, acceleration and jerk that are given.
+    pub(crate) fn set_rates(&self, limits: &mut UrdfLimits) {
         limits.velocity = self.velocity.or(limits.velocity);
         limits.acceleration = self.acceleration.or(limits.acceleration);
         limits.jerk = self.jerk.or(limits.jerk);
-        Ok(())
     }
 }
 

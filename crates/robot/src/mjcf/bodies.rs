@@ -78,7 +78,10 @@ impl<'d> BodyReader<'d, '_> {
                 "joint" => self.joint(element, inside)?,
                 "freejoint" => self.free_joint(element, inside)?,
                 "geom" => self.add_geom(element, inside)?,
-                "inertial" => self.bodies[inside.body].inertial = self.inertial(element)?,
+                "inertial" => {
+                    let stated = self.inertial(element)?;
+                    self.bodies[inside.body].inertial = stated.filter(|_| self.compiler.keeps_masses);
+                }
                 "site" | "camera" | "light" => self.unread.add(owner, element),
                 tag => {
                     let hint = "export the compiled model, for example by mj_saveLastXML";

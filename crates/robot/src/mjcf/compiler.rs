@@ -7,17 +7,12 @@ use crate::mjcf::documents::Documents;
 use crate::model_file::orientation::{rotation_from_wxyz, rotation_from_z, rotation_of_axes, turn};
 use crate::model_file::unread_list::{UnreadList, not_supported};
 
-/// Attributes of `<compiler>` that affect inertia, textures and the solver alone.
-const IGNORED: [&str; 17] = [
-    "boundmass",
-    "boundinertia",
-    "settotalmass",
-    "balanceinertia",
+/// Attributes of `<compiler>` that affect textures, the solver and masses without a statement alone.
+const IGNORED: [&str; 12] = [
     "texturedir",
     "discardvisual",
     "usethread",
     "fusestatic",
-    "inertiafromgeom",
     "inertiagrouprange",
     "saveinertial",
     "alignfree",
@@ -29,8 +24,30 @@ const IGNORED: [&str; 17] = [
 ];
 
 /// Attributes of `<compiler>` that are read.
-const READ: [&str; 8] =
-    ["angle", "eulerseq", "autolimits", "meshdir", "assetdir", "strippath", "coordinate", "class"];
+const READ: [&str; 13] = [
+    "angle",
+    "eulerseq",
+    "autolimits",
+    "meshdir",
+    "assetdir",
+    "strippath",
+    "coordinate",
+    "class",
+    MASSES[0].0,
+    MASSES[1].0,
+    MASSES[2].0,
+    MASSES[3].0,
+    MASSES[4].0,
+];
+
+/// Attributes of `<compiler>` that change stated masses or inertias, and their values that change none.
+const MASSES: [(&str, &[&str]); 5] = [
+    ("inertiafromgeom", &["false", "auto"]),
+    ("settotalmass", &["-1"]),
+    ("boundmass", &["0"]),
+    ("boundinertia", &["0"]),
+    ("balanceinertia", &["false"]),
+];
 
 /// Names of the attributes that give an orientation; at most one of them is given.
 const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
@@ -43,6 +60,8 @@ pub(crate) struct Compiler {
     pub(crate) finds_limits: bool,
     pub(crate) mesh_folder: String,
     pub(crate) strips_paths: bool,
+    /// True unless the compiler changes stated masses or inertias.
+    pub(crate) keeps_masses: bool,
 }
 
 impl Compiler {
@@ -53,6 +72,7 @@ impl Compiler {
             finds_limits: true,
             mesh_folder: String::new(),
             strips_paths: false,
+            keeps_masses: true,
         };
         let (mut assets, mut meshes) = (None, None);
         for element in documents.sections("compiler") {
@@ -69,6 +89,16 @@ impl Compiler {
             }
             if let Some(sequence) = element.optional_text("eulerseq") {
                 compiler.euler = euler_axes(element, sequence)?;
+            }
+            for (attribute, harmless) in MASSES {
+                let value = element.optional_text(attribute).map(str::trim);
+                if let Some(value) = value.filter(|value| !harmless.contains(value)) {
+                    compiler.keeps_masses = false;
+                    let at = element.at();
+                    unread.note(format!(
+                        "{at}: {attribute}=\"{value}\" is not applied: all links count as without mass"
+                    ));
+                }
             }
             if element.optional_text("coordinate") == Some("global") {
                 let hint = "MuJoCo refuses it too since version 2.3.3";

@@ -37,8 +37,43 @@ pub(crate) fn filters_parents(
     documents: &Documents<'_>,
     unread: &mut UnreadList,
 ) -> Result<bool, RobotError> {
+    /// Settings of the integrator, of the solver and of the medium.
+    const IGNORED: [&str; 31] = [
+        "timestep",
+        "apirate",
+        "impratio",
+        "gravity",
+        "wind",
+        "magnetic",
+        "density",
+        "viscosity",
+        "o_margin",
+        "o_solref",
+        "o_solimp",
+        "o_friction",
+        "integrator",
+        "cone",
+        "jacobian",
+        "solver",
+        "iterations",
+        "tolerance",
+        "ls_iterations",
+        "ls_tolerance",
+        "noslip_iterations",
+        "noslip_tolerance",
+        "ccd_iterations",
+        "ccd_tolerance",
+        "sdf_iterations",
+        "sdf_initpoints",
+        "sleep_tolerance",
+        "actuatorgroupdisable",
+        "mpr_iterations",
+        "mpr_tolerance",
+        "collision",
+    ];
     let mut filters = true;
     for section in documents.sections("option") {
+        unread.check_attributes(section, &[], &IGNORED)?;
         for element in documents.children(section) {
             if element.tag() != "flag" {
                 unread.add(section, element);
@@ -47,6 +82,12 @@ pub(crate) fn filters_parents(
             filters = flag(element, "filterparent", filters)?;
             if !flag(element, "contact", true)? {
                 unread.note(format!("{}: contacts are switched off, but checked here", element.at()));
+            }
+            if !flag(element, "equality", true)? {
+                let at = element.at();
+                unread.note(format!(
+                    "{at}: equality constraints are switched off, but joints stay coupled here"
+                ));
             }
         }
     }
@@ -229,7 +270,11 @@ impl BodyReader<'_, '_> {
                 }
                 tag => {
                     let what = format!("<{tag}>");
-                    return Err(not_supported(section, what, "leave it out: soft bodies are not modelled"));
+                    let hint = match tag {
+                        "deformable" => "leave it out: soft bodies are not modelled",
+                        _ => "leave it out, or correct its name",
+                    };
+                    return Err(not_supported(section, what, hint));
                 }
             }
         }

@@ -8,7 +8,7 @@ use crate::chain::joint_group::{JointValue, Resolved, admits, range, unknown_joi
 use crate::description::assembly::{SolidSource, motions};
 use crate::description::urdf_model::Urdf;
 use crate::tree::Tree;
-use crate::{JointConstraint, ModelText, RobotError, RobotOptions};
+use crate::{Inertial, JointConstraint, ModelText, RobotError, RobotOptions};
 
 /// Link of a world at rest.
 #[derive(Clone, Debug)]
@@ -19,12 +19,14 @@ pub struct WorldLink {
     pub ancestors: Vec<String>,
     /// Its solids, each with its pose in the world.
     pub solids: Vec<(Pose, Solid)>,
+    /// Mass and inertia, if the file states them.
+    pub inertial: Option<Inertial>,
     /// Colour of each solid, if the file has one: red, green and blue, 0 to 1, sRGB.
     pub colours: Vec<Option<[f64; 3]>>,
 }
 
 impl ModelText {
-    /// Returns the links with geometry of the world at `path`, in the order of its tree, in the frame of its root.
+    /// Returns the links with geometry or mass of the world at `path`, in the order of its tree, in the frame of its root.
     ///
     /// `values` (m, rad) are those of its joints, by name; a joint without one has the value of the file, or that nearest to it
     /// within its limits. `folders` are searched for `package://` and `model://` names.
@@ -73,11 +75,12 @@ impl ModelText {
                 solids.push((root_from_link * shape.link_from_shape, shape.solid));
                 colours.push(source.colour(link, collision));
             }
-            if !solids.is_empty() {
+            if !solids.is_empty() || link.inertial.is_some() {
                 let name = link.name.clone();
                 let above = std::iter::successors(node.above, |(above, _)| tree.nodes[*above].above);
                 let above = above.map(|(above, _)| urdf.links[tree.nodes[above].link].name.clone());
-                links.push(WorldLink { name, ancestors: above.collect(), solids, colours });
+                let inertial = link.inertial;
+                links.push(WorldLink { name, ancestors: above.collect(), solids, inertial, colours });
             }
         }
         Ok(links)

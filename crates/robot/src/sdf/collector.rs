@@ -85,7 +85,7 @@ impl Collector {
             match &*element.tag() {
                 "link" => self.read_link(element, scope, folder)?,
                 "joint" => {
-                    let joint = SdfJoint::read(element, scope)?;
+                    let joint = SdfJoint::read(element, scope, &mut self.unread)?;
                     let (pose, relative_to) = element.sdf_pose()?;
                     let relative_to =
                         relative_to.map_or_else(|| joint.child.clone(), |name| scope.frame(name));
@@ -206,7 +206,7 @@ impl Collector {
             is_free: scope.is_in_world && !scope.is_static,
             shapes: Vec::new(),
             planes: Vec::new(),
-            inertial: inertial(element)?,
+            inertial: self.inertial(element)?,
         };
         for child in element.children() {
             match &*child.tag() {
@@ -217,6 +217,18 @@ impl Collector {
         }
         self.links.push(link);
         Ok(())
+    }
+
+    /// Returns mass and inertia of a link as stated; `None` if its shapes and densities determine them, which is noted.
+    fn inertial(&mut self, link: Element<'_>) -> Result<Option<Inertial>, RobotError> {
+        let Some(element) = link.first("inertial") else { return Ok(None) };
+        if !matches!(element.optional_text("auto"), Some("true" | "1")) {
+            return stated_inertial(element);
+        }
+        let at = element.at();
+        self.unread
+            .note(format!("{at}: <inertial auto=\"true\"> is not computed: the link counts as without mass"));
+        Ok(None)
     }
 
     fn add_shape(
@@ -291,9 +303,8 @@ fn version(root: Element<'_>) -> Result<[u32; 2], RobotError> {
     Err(not_supported(root, format!("version {text} of SDF"), "give version 1.4 to 1.12"))
 }
 
-/// Returns mass and inertia of a link; `None` for physically impossible ones, which only dynamics needs.
-fn inertial(link: Element<'_>) -> Result<Option<Inertial>, RobotError> {
-    let Some(element) = link.first("inertial") else { return Ok(None) };
+/// Returns mass and inertia of an element; `None` for physically impossible ones, which only dynamics needs.
+fn stated_inertial(element: Element<'_>) -> Result<Option<Inertial>, RobotError> {
     let (link_from_inertial, _) = element.sdf_pose()?;
     let mass_kg = element.value_number("mass")?.unwrap_or(1.0);
     let number = |tag, default| -> Result<f64, RobotError> {

@@ -3,6 +3,7 @@ use cranny_spatial::Vector;
 use crate::chain::limits::{CONTINUOUS_LIMIT_RAD, FREE_JOINT_LIMIT_M};
 use crate::description::xml::Element;
 use crate::model_file::body_tree::JointRule;
+use crate::model_file::unread_list::UnreadList;
 use crate::sdf::scope::Scope;
 use crate::{JointKind, Location, RobotError};
 
@@ -34,7 +35,12 @@ pub(crate) struct SdfMotion {
 
 impl SdfJoint {
     /// Reads a joint; a joint of a static model does not move.
-    pub(crate) fn read(element: Element<'_>, scope: &Scope) -> Result<Self, RobotError> {
+    pub(crate) fn read(
+        element: Element<'_>,
+        scope: &Scope,
+        unread: &mut UnreadList,
+    ) -> Result<Self, RobotError> {
+        add_unread(element, unread);
         let name = element.text("name")?;
         let owner = format!("joint `{name}`");
         let end = |tag| -> Result<String, RobotError> {
@@ -68,6 +74,21 @@ impl SdfJoint {
             child,
             motion,
         })
+    }
+}
+
+/// Adds the content of a joint that is not read.
+fn add_unread(joint: Element<'_>, unread: &mut UnreadList) {
+    const OF_JOINT: [&str; 4] = ["parent", "child", "pose", "axis"];
+    const OF_AXIS: [&str; 4] = ["xyz", "limit", "mimic", "use_parent_model_frame"];
+    const OF_LIMIT: [&str; 4] = ["lower", "upper", "velocity", "effort"];
+    let axis = joint.first("axis");
+    let limit = axis.and_then(|axis| axis.first("limit"));
+    for (owner, read) in [Some(joint), axis, limit].into_iter().zip([OF_JOINT, OF_AXIS, OF_LIMIT]) {
+        let children = owner.into_iter().flat_map(|owner| owner.children().map(move |child| (owner, child)));
+        for (owner, child) in children.filter(|(_, child)| !read.contains(&&*child.tag())) {
+            unread.add(owner, child);
+        }
     }
 }
 

@@ -74,7 +74,17 @@ impl Recipe {
         let position = known.iter().position(|name| *name == conversion.target);
         let position = position.ok_or_else(|| unknown_body(path, &conversion.target, &known))?;
         let target = bodies.remove(position);
-        if !model.movable.iter().flatten().any(|link| *link == target.name) {
+        let masses = masses(&model, &links, &conversion.left_out);
+        if let Some(mass_kg) = masses.get(&target.name) {
+            notes.push(format!(
+                "{}: '{}' has the stated mass, {mass_kg} kg, spread evenly over its volume, and the default friction",
+                path.display(),
+                target.name
+            ));
+        }
+        // A URDF does not state which bodies move freely.
+        let is_known = model.srdf.is_some();
+        if is_known && !model.movable.iter().flatten().any(|link| *link == target.name) {
             notes.push(format!(
                 "{}: '{}' does not move freely in the model (a joint, or the world, holds it); as the target it does",
                 path.display(),
@@ -88,13 +98,16 @@ impl Recipe {
             robot,
             obstacles: bodies.iter().map(recipe).collect::<Result<_, _>>()?,
             target: Some(recipe(&target)?),
-            given_physics: TargetPhysics::default(),
+            given_physics: of_mass(masses.get(&target.name)),
             grasps: GraspSet::default(),
             ik: Vec::new(),
             places: Vec::new(),
             regions: BTreeMap::new(),
             tasks: Vec::new(),
-            physics: BTreeMap::new(),
+            physics: bodies
+                .iter()
+                .filter_map(|body| Some((body.name.clone(), of_mass(Some(masses.get(&body.name)?)))))
+                .collect(),
             colours,
             tool_bounds: Vec::new(),
             joint_bounds: BTreeMap::new(),
@@ -102,6 +115,45 @@ impl Recipe {
         };
         Ok((recipe, notes))
     }
+}
+
+fn of_mass(mass_kg: Option<&f64>) -> TargetPhysics {
+    TargetPhysics { mass_kg: mass_kg.copied(), ..TargetPhysics::default() }
+}
+
+/// Returns the mass (kg) of each body that moves freely, or, as in a URDF, may do so, by name: the sum over its links, if each
+/// with a shape has one.
+fn masses(model: &ModelText, links: &[WorldLink], left_out: &[String]) -> HashMap<String, f64> {
+    let name_of = names_of_links(model);
+    let mut sums: HashMap<String, Option<f64>> = HashMap::new();
+    for link in links.iter().filter(|link| !is_left_out(link, left_out)) {
+        let name = name_of.get(link.name.as_str()).copied();
+        let Some(name) = name.or(model.srdf.is_none().then_some(link.name.as_str())) else { continue };
+        let mass_kg = match &link.inertial {
+            Some(inertial) => Some(inertial.mass_kg),
+            None if link.solids.is_empty() => Some(0.0),
+            None => None,
+        };
+        let sum = sums.entry(body_name(name)).or_insert(Some(0.0));
+        *sum = sum.zip(mass_kg).map(|(sum, mass_kg)| sum + mass_kg);
+    }
+    let known = sums.into_iter().filter_map(|(name, sum)| Some((name, sum?)));
+    known.filter(|(_, mass_kg)| *mass_kg > 0.0).collect()
+}
+
+/// Returns the first link of the free body of each link that belongs to one.
+fn names_of_links(model: &ModelText) -> HashMap<&str, &str> {
+    let groups = model.movable.iter();
+    groups.flat_map(|group| group.iter().map(|link| (link.as_str(), group[0].as_str()))).collect()
+}
+
+fn is_left_out(link: &WorldLink, left_out: &[String]) -> bool {
+    link.ancestors.iter().chain([&link.name]).any(|name| left_out.contains(name))
+}
+
+/// Returns the name of a body in the scenario.
+fn body_name(name: &str) -> String {
+    if name == FLOOR { format!("{name}_body") } else { name.to_owned() }
 }
 
 /// Returns the bodies of a world, in its frame, and their colours.
@@ -118,17 +170,11 @@ fn bodies(
         return Err(unknown_body(path, unknown, &known));
     }
     // Links of one free body are one body, named after its first link.
-    let mut name_of: HashMap<&str, &str> = HashMap::new();
-    for group in &model.movable {
-        name_of.extend(group.iter().map(|link| (link.as_str(), group[0].as_str())));
-    }
+    let name_of = names_of_links(model);
     let (mut bodies, mut colours) = (Vec::<Body>::new(), BodyColours::new());
-    for WorldLink { name, ancestors, solids, colours: of_solids } in links {
-        if ancestors.iter().chain([name]).any(|name| left_out.contains(name)) {
-            continue;
-        }
-        let name = name_of.get(name.as_str()).copied().unwrap_or(name);
-        let name = if name == FLOOR { format!("{name}_body") } else { name.to_owned() };
+    for link in links.iter().filter(|link| !link.solids.is_empty() && !is_left_out(link, left_out)) {
+        let WorldLink { name, solids, colours: of_solids, .. } = link;
+        let name = body_name(name_of.get(name.as_str()).copied().unwrap_or(name));
         let parts = solids.iter().map(|(world_from_solid, solid)| Part {
             world_from_solid: *world_from_solid,
             solid: solid.clone(),

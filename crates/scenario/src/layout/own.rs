@@ -82,22 +82,23 @@ pub(crate) fn open_texts(
 
     let mut colours = BodyColours::new();
     let (mut bodies, mut clouds): (Vec<Body>, Vec<CloudCounts>) = (Vec::new(), Vec::new());
-    let (mut names, mut body_frames) = (HashSet::new(), BTreeMap::new());
+    let (mut names, mut body_frames, mut sources) = (HashSet::new(), BTreeMap::new(), BTreeMap::new());
     for entry in &file.obstacles {
         layout.check_name(entry, &mut names)?;
         let read = layout.body(entry, &planning_from_scene, Solid::mesh_with_small_holes)?;
         body_frames.extend(read.frame.map(|frame| (read.body.name.clone(), frame)));
+        sources.extend(read.source.map(|source| (read.body.name.clone(), source)));
         bodies.push(read.body);
         clouds.extend(read.clouds);
         layout.add_colours(entry, &mut colours)?;
     }
-    let (mut target_source, mut given_physics) = (None, TargetPhysics::default());
+    let mut given_physics = TargetPhysics::default();
     if let Some(entry) = &file.target {
         layout.check_name(entry, &mut names)?;
         layout.refuse_cloud(entry)?;
         given_physics = layout.physics_of(entry)?;
         let read = layout.body(entry, &planning_from_scene, Solid::mesh)?;
-        target_source = read.source;
+        sources.extend(read.source.map(|source| (read.body.name.clone(), source)));
         layout.add_colours(entry, &mut colours)?;
         body_frames.extend(read.frame.map(|frame| (read.body.name.clone(), frame)));
         bodies.push(read.body);
@@ -132,7 +133,7 @@ pub(crate) fn open_texts(
         robot_source,
         world,
         target,
-        target_source,
+        sources,
         body_frames,
         given_physics,
         grasps,

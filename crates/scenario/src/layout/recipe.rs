@@ -99,10 +99,10 @@ impl Recipe {
             }
             let frame = scenario.body_frames.get(&body.name);
             let mut body = RecipeBody::of(body, &scene_from_planning, frame)?;
+            if let (Some(source), [(_, shape)]) = (scenario.source_of(index), &mut body.shapes[..]) {
+                *shape = RecipeShape::Object(source.clone());
+            }
             if scenario.target == Some(index) {
-                if let Some((source, _)) = scenario.placed_object() {
-                    body.shapes[0].1 = RecipeShape::Object(source.clone());
-                }
                 target = Some(body);
             } else {
                 obstacles.push(body);
@@ -153,7 +153,12 @@ impl Recipe {
             robot_source: RobotSource::Other,
             world: self.world()?,
             target: self.target.as_ref().map(|_| self.obstacles.len()),
-            target_source: self.target.as_ref().and_then(RecipeBody::source).cloned(),
+            sources: self
+                .obstacles
+                .iter()
+                .chain(&self.target)
+                .filter_map(|body| Some((body.name.clone(), body.source()?.clone())))
+                .collect(),
             body_frames: self
                 .obstacles
                 .iter()

@@ -6,15 +6,14 @@ use cranny_file::did_you_mean_here;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ObjectError {
-    /// The mass of the target is not given.
+    /// The mass of a body to be held is not given.
     #[error(
-        "scenario '{id}' does not state the mass of its target '{target}' (add mass_kg under target in \
-         scenario.yaml)"
+        "scenario '{id}' does not state the mass of '{target}' (add mass_kg to its entry in scenario.yaml)"
     )]
     NoMass {
         /// The scenario.
         id: String,
-        /// Name of the target.
+        /// Name of the body.
         target: String,
     },
     /// A mesh is too large or too small for an object to grasp.

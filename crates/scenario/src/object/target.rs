@@ -33,8 +33,7 @@ impl Scenario {
 
     /// Returns mass and friction of the target: those of the scenario, otherwise those of its object.
     pub fn target_physics(&self) -> TargetPhysics {
-        let of_object = self.placed_object().map(|(source, _)| source.physics());
-        self.given_physics.or(of_object.unwrap_or_default())
+        self.target.map_or(self.given_physics, |target| self.physics_of(target))
     }
 
     /// Returns the load model of grasps of the target by the robot's hand, for the mass and friction of [`Self::target_physics`];
@@ -48,11 +47,7 @@ impl Scenario {
     /// Returns mass and rolling resistance of the target, and the mass distribution that the file of an object states; `None`
     /// without a target.
     pub fn target_weight(&self) -> Option<Weight> {
-        self.target?;
-        let own = self.placed_object().and_then(|(source, _)| source.own());
-        let moments = own.map(ObjectType::mass_moments);
-        let TargetPhysics { mass_kg, rolling_m, .. } = self.target_physics();
-        Some(Weight { mass_kg, moments, rolling_m })
+        self.target.map(|target| self.weight_of(target))
     }
 
     /// Returns the target as an object with mass and stable poses; `None` without a target. Mass and friction are those of
@@ -89,10 +84,8 @@ impl Scenario {
 
     /// Returns the object that the target consists of, if it is a single one, and its frame in the planning frame.
     pub(crate) fn placed_object(&self) -> Option<(&ObjectSource, Pose)> {
-        let [Part { world_from_solid, .. }] = &self.world.bodies()[self.target?].parts[..] else {
-            return None;
-        };
-        self.target_source.as_ref().map(|source| (source, *world_from_solid))
+        let source = self.source_of(self.target?)?;
+        self.world.bodies()[self.target?].parts.first().map(|part| (source, part.world_from_solid))
     }
 }
 
