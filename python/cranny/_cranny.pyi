@@ -597,7 +597,7 @@ def filter_cloud(
     q: ArrayLike | None = None,
     own_margin_m: float | None = None,
     known: Sequence[Body] | None = None,
-    known_margin_m: float = 0.0,
+    known_margin_m: float | None = None,
     voxel_m: float | None = None,
 ) -> tuple[NDArray[np.float32], dict[str, int]]: ...
 def licences() -> str: ...

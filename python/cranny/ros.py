@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
+from operator import index
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -177,18 +178,24 @@ def points_of(message: dict[str, Any]) -> tuple[NDArray[np.float32], int]:
     """Points (N, 3) in metres of a `sensor_msgs/PointCloud2`, in the frame of the message, and the number of those that were dropped
     because a coordinate is not finite. Fields of any type, order and padding; sizes that contradict each other, missing
     coordinates and a cloud without a valid point raise ValueError."""
-    fields = [
-        (str(field["name"]), int(field["offset"]), int(field["datatype"]), int(field["count"]))
-        for field in _entry(message, "fields", "PointCloud2")
-    ]
-    numbers = [int(_entry(message, key, "PointCloud2")) for key in ("height", "width", "point_step", "row_step")]
-    if any(number < 0 for number in numbers) or any(min(field[1:]) < 0 or field[2] > 255 for field in fields):
+    try:
+        fields = [
+            (str(field["name"]), index(field["offset"]), index(field["datatype"]), index(field["count"]))
+            for field in _entry(message, "fields", "PointCloud2")
+        ]
+        numbers = [index(_entry(message, key, "PointCloud2")) for key in ("height", "width", "point_step", "row_step")]
+    except TypeError as reason:
+        raise ValueError(f"PointCloud2: a size, an offset or the list of fields is none: {reason}") from None
+    sizes = numbers + [number for field in fields for number in field[1:]]
+    if any(not 0 <= number < 2**32 for number in sizes) or any(field[2] > 255 for field in fields):
         raise ValueError("PointCloud2: a size or an offset is out of range")
     height, width, point_step, row_step = numbers
-    is_bigendian = bool(_entry(message, "is_bigendian", "PointCloud2"))
+    is_bigendian = _entry(message, "is_bigendian", "PointCloud2")
+    if is_bigendian not in (False, True):
+        raise ValueError(f"PointCloud2: is_bigendian is {is_bigendian!r}, but must be true or false")
     data = _bytes(_entry(message, "data", "PointCloud2"), "PointCloud2")
     try:
-        return _points_of_message(height, width, fields, is_bigendian, point_step, row_step, data)
+        return _points_of_message(height, width, fields, bool(is_bigendian), point_step, row_step, data)
     except ValueError as reason:
         raise ValueError(f"PointCloud2: {reason}") from None
 

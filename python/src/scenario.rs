@@ -205,8 +205,8 @@ impl PyScenario {
         self.scenario.target.map(|target| PyBody::of_scene(&self.scenario.world.bodies()[target]))
     }
 
-    /// Space that cameras have seen, if the obstacles are a map of it: a dictionary of its "region" (m), "free_m3", the diameter of
-    /// details that can be missed ("detail_m"), a "statement" of all that is assumed, …; else None.
+    /// Space that cameras have seen, if the obstacles are a map of it: a dictionary of its "region" (m), the volume that is free or
+    /// inside of known bodies ("free_m3"), the diameter of details that can be missed ("detail_m"), a "statement" of all that is assumed, …; else None.
     #[getter]
     fn seen<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &SeenSummary::of(&self.scenario))

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use cranny_collision::Margins;
 use cranny_record::{Demanded, Judgement};
 use cranny_scenario::{Geometry, GivenGrasps};
+use cranny_solve::Tilt;
 use serde::Serialize;
 
 use crate::arguments::VerifyArguments;
@@ -67,10 +68,13 @@ pub fn demanded_margins(margins: &Margins) -> Vec<String> {
 
 /// Returns the lines on everything in a plan file other than its path.
 pub fn statement_lines(judgement: &Judgement) -> String {
-    let Judgement { demanded: Demanded { margins, task, hold }, .. } = judgement;
+    let Judgement { demanded: Demanded { margins, task, hold }, measured, .. } = judgement;
+    // An object that the scenario marks as upright may demand less tilt than the plan.
+    let least = |tilt: &Tilt| margins.tilt_rad.map_or(tilt.most_rad, |most| most.min(tilt.most_rad));
+    let margins = Margins { tilt_rad: measured.tilt.as_ref().map(least).or(margins.tilt_rad), ..*margins };
     let stages = task.iter().map(ToString::to_string);
     let hold = hold.map(|factor| format!("a hold by a factor of {factor}"));
-    let demanded: Vec<String> = demanded_margins(margins).into_iter().chain(stages).chain(hold).collect();
+    let demanded: Vec<String> = demanded_margins(&margins).into_iter().chain(stages).chain(hold).collect();
     let mut lines = String::new();
     for statement in &judgement.differs {
         let _ = writeln!(lines, "  differs     {statement}");

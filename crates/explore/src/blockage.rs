@@ -1,5 +1,6 @@
-use cranny_collision::Margins;
+use cranny_collision::{Collider, Margins};
 use cranny_plan::{GoalPool, Observer, Statistics};
+use cranny_robot::between;
 use cranny_scenario::Scenario;
 use cranny_sense::{SeenMap, Unseen};
 use cranny_shape::Aabb;
@@ -18,7 +19,12 @@ pub struct Blockage {
     /// Cells, in the order in which the candidate meets them; none if the candidate lies in free space, and the search alone did not
     /// find it.
     pub cells: Vec<MetCell>,
+    /// First contact of the candidate with the seen space, to within [`PLACE`] of an edge; `None` if it touches nothing.
+    pub first: Option<FirstMeeting>,
 }
+
+/// Accuracy of the place of a first contact, as a share of the edge.
+const PLACE: f64 = 1e-4;
 
 /// Motion or grasp that would be free if unseen space were.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,11 +76,6 @@ impl Blockage {
     /// Returns the number of cells that no view has seen into.
     pub fn unseen_count(&self) -> usize {
         self.cells.iter().filter(|cell| !cell.is_occupied).count()
-    }
-
-    /// Returns the first meeting of the candidate with any of the cells.
-    pub fn first(&self) -> Option<FirstMeeting> {
-        self.cells.first().map(|cell| cell.first)
     }
 
     /// Returns the points at which cameras may aim: the middle of all cells, and of the first and the last quarter of them.
@@ -131,12 +132,13 @@ pub fn find_blockage(
         return Ok(None);
     };
     let map = &*space.map;
+    let problem = seen.problem(margins)?;
     let optimistic = with_unseen_free(seen)?.problem(margins)?;
     // 1.
     if let Some(Candidate::Path(path)) = earlier
         && is_proven(&optimistic, path)?
     {
-        return Ok(Some(of_path(&optimistic, path.clone(), map)));
+        return Ok(Some(of_path(&problem, path.clone(), map)?));
     }
     // 2.
     let mut best: Option<Blockage> = None;
@@ -146,7 +148,7 @@ pub fn find_blockage(
         if !answer.is_solved() {
             break;
         }
-        let found = of_path(&optimistic, answer.waypoints(), map);
+        let found = of_path(&problem, answer.waypoints(), map)?;
         if best.as_ref().is_none_or(|best| found.volume_m3() < best.volume_m3()) {
             best = Some(found);
         }
@@ -160,7 +162,8 @@ pub fn find_blockage(
     let robot = known.robot();
     let cells = swept_cells(robot, std::slice::from_ref(&q), map, true);
     if !cells.is_empty() {
-        return Ok(Some(Blockage { candidate: Candidate::Grasp { grasp, q }, cells }));
+        let first = first_meeting(&problem, std::slice::from_ref(&q))?;
+        return Ok(Some(Blockage { candidate: Candidate::Grasp { grasp, q }, cells, first }));
     }
     let to_grasp = known.with_goal(Goal::Configurations(vec![q]))?;
     let answer = solve(&to_grasp, &plain(request), observer)?;
@@ -169,7 +172,8 @@ pub fn find_blockage(
     }
     let path = answer.waypoints();
     let cells = swept_cells(robot, &path, map, true);
-    Ok(Some(Blockage { candidate: Candidate::BlockedPath(path), cells }))
+    let first = first_meeting(&problem, &path)?;
+    Ok(Some(Blockage { candidate: Candidate::BlockedPath(path), cells, first }))
 }
 
 /// Returns a request for a path alone.
@@ -184,9 +188,43 @@ fn plain(request: &Request) -> Request {
     }
 }
 
-fn of_path(problem: &Problem, path: Vec<Vec<f64>>, map: &SeenMap) -> Blockage {
+fn of_path(problem: &Problem, path: Vec<Vec<f64>>, map: &SeenMap) -> Result<Blockage, ExploreError> {
     let cells = swept_cells(problem.robot(), &path, map, false);
-    Blockage { candidate: Candidate::Path(path), cells }
+    let first = first_meeting(problem, &path)?;
+    Ok(Blockage { candidate: Candidate::Path(path), cells, first })
+}
+
+/// Returns the first place of a path (m, rad; one value per joint) at which a link touches anything, among 1000 on each edge,
+/// refined to [`PLACE`]; for a single configuration the link in contact there.
+fn first_meeting(problem: &Problem, path: &[Vec<f64>]) -> Result<Option<FirstMeeting>, ExploreError> {
+    const SAMPLES: usize = 1000;
+    let cell = problem.exact_cell("explore")?;
+    let mut scratch = cell.scratch();
+    let mut link_at = |q: &[f64]| {
+        let contact = cell.first_contact(q, &mut scratch)?;
+        if let Collider::Link(link) = contact.first { Some(link) } else { None }
+    };
+    if let [q] = path {
+        return Ok(link_at(q).map(|link| FirstMeeting { edge: 0, at: 0.0, link }));
+    }
+    for (edge, ends) in path.windows(2).enumerate() {
+        let at = |at: f64| between(&ends[0], &ends[1], at).collect::<Vec<f64>>();
+        let samples = (0..=SAMPLES).map(|sample| sample as f64 / SAMPLES as f64);
+        let Some((met, mut link)) = samples.into_iter().find_map(|place| Some((place, link_at(&at(place))?)))
+        else {
+            continue;
+        };
+        let (mut free, mut met) = ((met - 1.0 / SAMPLES as f64).max(0.0), met);
+        while met - free > PLACE {
+            let middle = 0.5 * (free + met);
+            match link_at(&at(middle)) {
+                Some(other) => (met, link) = (middle, other),
+                None => free = middle,
+            }
+        }
+        return Ok(Some(FirstMeeting { edge, at: met, link }));
+    }
+    Ok(None)
 }
 
 /// Returns true if every edge of a path (m, rad; one value per joint) is proven free.

@@ -61,8 +61,8 @@ pub struct ViewReport {
     pub camera: Camera,
     /// In hand: proven motion from the start to the configuration of the view (m, rad; one value per joint), else empty.
     pub motion: Vec<Vec<f64>>,
-    /// Volumes of the mapped region that all views until then show to be free, in which surfaces may have been measured, and that none
-    /// of them has seen, in cubic metres.
+    /// Volume of the mapped region that all views until then show to be free, or that lies inside of known bodies, in cubic metres
+    /// ([`SeenMap::free_m3`](cranny_sense::SeenMap::free_m3)).
     pub free_m3: f64,
     /// Volume in which surfaces may have been measured.
     pub occupied_m3: f64,
@@ -72,7 +72,7 @@ pub struct ViewReport {
     pub outcome: Outcome,
     /// Cells that block the best candidate, if the search failed and there is a candidate.
     pub blockage: Option<Blockage>,
-    /// Next view, if there is one.
+    /// Next view, if there is one; that of the last report is not taken.
     pub next: Option<NextView>,
 }
 
@@ -118,13 +118,12 @@ pub fn explore(
     let (mut camera, mut motion) = (exploration.first.clone(), Vec::new());
     let mut reports = Vec::new();
     loop {
-        let is_last = reports.len() + 1 == settings.views;
-        let (one, seen, answer) = exploration.look(&camera, motion, is_last, observer)?;
+        let (one, seen, answer) = exploration.look(&camera, motion, observer)?;
         report(&one);
         let next = one.next.clone();
         reports.push(one);
         match next {
-            Some(next) if !answer.is_solved() => {
+            Some(next) if !answer.is_solved() && reports.len() < settings.views => {
                 camera = exploration.moved(&next);
                 motion = next.motion;
             }
@@ -200,7 +199,6 @@ impl<'a> Exploration<'a> {
         &mut self,
         camera: &PlacedCamera,
         motion: Vec<Vec<f64>>,
-        is_last: bool,
         observer: &mut dyn Observer,
     ) -> Result<(ViewReport, Scenario, Answer), ExploreError> {
         let ExploreSettings { margins, request, options, .. } = self.settings;
@@ -229,7 +227,7 @@ impl<'a> Exploration<'a> {
         // 4.
         let blockage = blockage.filter(|blockage| !answer.is_solved() && !blockage.cells.is_empty());
         let next = match &blockage {
-            Some(blockage) if !is_last && !observer.should_stop() => self.next(&seen, blockage, observer)?,
+            Some(blockage) if !observer.should_stop() => self.next(&seen, blockage, observer)?,
             _ => None,
         };
         if !answer.is_solved() && observer.should_stop() {

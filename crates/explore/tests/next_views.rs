@@ -1,10 +1,11 @@
-use cranny_collision::Margins;
+use cranny_collision::{Collider, Margins};
 use cranny_explore::{
     CameraKind, Candidate, ExploreError, ExploreSettings, explore, find_blockage, next_fixed_view,
     next_hand_view, true_contact,
 };
 use cranny_path::{AuditSettings, audit_task};
 use cranny_plan::{Outcome, Unobserved};
+use cranny_robot::between;
 use cranny_scenario::Scenario;
 use cranny_sense::{CameraFrame, Noise, PlacedCamera, View};
 use cranny_shape::{Solid, separation};
@@ -66,6 +67,18 @@ fn a_camera_is_expected_to_see_the_cells_that_rays_reach() {
     let request = Request::default();
     let blockage =
         find_blockage(&seen, Margins::default(), &request, None, &mut Unobserved).unwrap().unwrap();
+    // The stated link touches something at the stated place, and nothing does before.
+    let first = blockage.first.expect("a contact");
+    let problem = seen.problem(Margins::default()).unwrap();
+    let cell = problem.cell().unwrap();
+    let mut scratch = cell.scratch();
+    let mut links_at = |at: f64| {
+        let path = blockage.candidate.waypoints();
+        let q: Vec<f64> = between(&path[first.edge], &path[first.edge + 1], at).collect();
+        cell.contacts(&q, &mut scratch).into_iter().map(|contact| contact.first).collect::<Vec<_>>()
+    };
+    assert!(links_at(first.at).contains(&Collider::Link(first.link)));
+    assert!((0..100).all(|step| links_at((first.at - 2e-4) * f64::from(step) / 99.0).is_empty()));
     let next =
         next_fixed_view(&seen, &blockage, &bad_camera(), &[view], &mut |_| true).unwrap().expect("a view");
     // An independent count: points along each ray in all occupied boxes and known solids.

@@ -1,3 +1,5 @@
+use std::collections::HashSet;
+
 use cranny_collision::Resting;
 use cranny_task::{
     Carrier, ContactSegment, Grip, Mode, MotionEnd, Move, Moved, Placed, Placer, Problem, Region, Segment,
@@ -78,6 +80,9 @@ pub fn audit_along(
         before += segment.waypoints.len() - 1;
     }
     audit_corners(&mut audit, known, along, settings);
+    // A way point belongs to two segments or edges, and to its corner.
+    let mut reported = HashSet::new();
+    audit.violations.retain(|violation| reported.insert(violation.to_string()));
     match &along.stopped {
         Some(reason) => {
             audit.violations.push(Violation::at_way_point(before, Cause::Grip { reason: reason.clone() }));

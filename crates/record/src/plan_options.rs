@@ -228,10 +228,18 @@ impl PlanOptions {
             let problem = "nothing is carried in this task".to_owned();
             return Err(RecordError::PlanOptions { field: "hold", problem });
         }
+        // A motion home after a place.
+        let returns = stages.windows(2).any(|pair| matches!(pair, [Stage::Place(_), Stage::Move(_)]));
+        if let Some((field, mode)) = self.paces.twice() {
+            let of = mode.map_or_else(|| "all motions".to_owned(), |mode| format!("'{}'", mode.name));
+            let problem = format!("a limit for {of} is given twice");
+            return Err(RecordError::PlanOptions { field, problem });
+        }
         for (field, mode) in self.paces.modes() {
             let occurs = match mode {
                 Mode::LIFT_OFF | Mode::CARRY => carries,
-                Mode::SET_DOWN | Mode::RETREAT | Mode::RETURN => places,
+                Mode::SET_DOWN | Mode::RETREAT => places,
+                Mode::RETURN => returns,
                 Mode::APPROACH => is_approach,
                 _ => true,
             };

@@ -28,7 +28,7 @@ impl FromStr for SpeedOption {
     }
 }
 
-/// Speeds in the words of users; words for a mode override those for all, later words override earlier ones.
+/// Speeds in the words of users; words for a mode override those for all, and no limit is given twice.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SpeedOptions {
     /// Shares of the limits of velocity.
@@ -64,15 +64,29 @@ impl SpeedOptions {
 
     /// Modes that these words name, each with the field that names it.
     pub(crate) fn modes(&self) -> impl Iterator<Item = (&'static str, Mode)> {
-        let fields = [
+        self.fields()
+            .into_iter()
+            .flat_map(|(field, words)| words.iter().filter_map(move |word| Some((field, word.mode?))))
+    }
+
+    /// Returns the field and the mode (`None`: all motions) of the first limit that these words give twice.
+    pub(crate) fn twice(&self) -> Option<(&'static str, Option<Mode>)> {
+        let of_field = |(field, words): (&'static str, &Vec<SpeedOption>)| {
+            let is_repeated = |(index, word): (usize, &SpeedOption)| {
+                words[..index].iter().any(|earlier| earlier.mode == word.mode).then_some((field, word.mode))
+            };
+            words.iter().enumerate().find_map(is_repeated)
+        };
+        self.fields().into_iter().find_map(of_field)
+    }
+
+    fn fields(&self) -> [(&'static str, &Vec<SpeedOption>); 4] {
+        [
             ("speed", &self.speed),
             ("acceleration", &self.acceleration),
             ("tool_speed", &self.tool_speed),
             ("turn_speed", &self.turn_speed),
-        ];
-        fields
-            .into_iter()
-            .flat_map(|(field, words)| words.iter().filter_map(move |word| Some((field, word.mode?))))
+        ]
     }
 
     /// Returns the requested paces; `tool_m_s` is the greatest speed of the gripper frame, in m/s, if the words state none for

@@ -434,6 +434,16 @@ pub enum ScenarioError {
     /// An object to be grasped is invalid.
     #[error(transparent)]
     Object(#[from] ObjectError),
+    /// The fine cells of a map of seen space are wider than the others.
+    #[error(
+        "fine_m is {fine_m} m, but the cells beside the target cannot be wider than the others, cell_m of {cell_m} m"
+    )]
+    SeenFine {
+        /// Width of the fine cells, in metres.
+        fine_m: f64,
+        /// Width of the others, in metres.
+        cell_m: f64,
+    },
     /// The parameters of a scenario family are invalid.
     #[error(transparent)]
     Family(#[from] FamilyError),

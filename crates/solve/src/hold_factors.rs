@@ -236,8 +236,9 @@ fn measured(
     let mut hold: Option<HoldFactors> = None;
     for (range, grip) in grips {
         let leg = &segments[range.clone()];
-        let factor = grip.factor_of(problem, leg, timing)?;
         let at_rest = grip.at_rest(problem.robot(), &joined(leg));
+        // A rounded corner avoids the attitude of its way point, at which the motion may nevertheless be stopped.
+        let factor = grip.factor_of(problem, leg, timing)?.map(|factor| factor.min(at_rest));
         let of_leg = HoldFactors { factor, at_rest, mass_assumed: grip.is_mass_assumed };
         hold = Some(hold.map_or(of_leg, |hold| HoldFactors {
             factor: hold.factor.zip(of_leg.factor).map(|(a, b)| a.min(b)),

@@ -48,7 +48,7 @@ fn array<'py>(py: Python<'py>, cloud: &PointCloud) -> PyResult<Points<'py>> {
 ///
 /// `pose`: `world_from_cloud`, (4, 4) or (3,).
 #[pyfunction]
-#[pyo3(signature = (points, *, pose=None, crop=None, robot=None, q=None, own_margin_m=None, known=None, known_margin_m=0.0,
+#[pyo3(signature = (points, *, pose=None, crop=None, robot=None, q=None, own_margin_m=None, known=None, known_margin_m=None,
     voxel_m=None))]
 #[allow(clippy::too_many_arguments, reason = "the keywords of the Python function")]
 pub fn filter_cloud<'py>(
@@ -59,7 +59,7 @@ pub fn filter_cloud<'py>(
     q: Option<&Bound<'py, PyAny>>,
     own_margin_m: Option<f64>,
     known: Option<Vec<Bound<'py, PyBody>>>,
-    known_margin_m: f64,
+    known_margin_m: Option<f64>,
     voxel_m: Option<f64>,
 ) -> PyResult<(Points<'py>, Bound<'py, PyDict>)> {
     let py = points.py();
@@ -73,6 +73,10 @@ pub fn filter_cloud<'py>(
         }
         (_, _, None) => None,
         _ => return Err(bad_value("own_margin_m needs `robot` and its configuration `q`")),
+    };
+    let known_margin_m = match (&known, known_margin_m) {
+        (None, Some(_)) => return Err(bad_value("known_margin_m needs the bodies `known`")),
+        (_, margin_m) => margin_m.unwrap_or(0.0),
     };
     let known: Vec<_> = known
         .iter()

@@ -15,7 +15,8 @@ pub struct SeenSummary {
     occupied_boxes: usize,
     unseen_boxes: usize,
     detail_m: f64,
-    detail_beside_target_m: f64,
+    /// `None` without a target.
+    detail_beside_target_m: Option<f64>,
     statement: Option<String>,
 }
 
@@ -37,7 +38,7 @@ impl SeenSummary {
             occupied_boxes: map.occupied().len(),
             unseen_boxes: map.unseen().len(),
             detail_m,
-            detail_beside_target_m,
+            detail_beside_target_m: scenario.target.map(|_| detail_beside_target_m),
             statement: scenario.seen_statement(),
         })
     }

@@ -201,7 +201,7 @@ fn view_lines(number: usize, report: &ViewReport, problem: &Problem) -> String {
     let [free, occupied, unseen] =
         [report.free_m3, report.occupied_m3, report.unseen_m3].map(|volume_m3| 1e3 * volume_m3);
     let mut lines = format!(
-        "view {number}: from {} m; {free:.0} l are free, {occupied:.0} l occupied, {unseen:.0} l unseen; {}\n",
+        "view {number}: from {} m; {free:.0} l are free or inside of known bodies, {occupied:.0} l occupied, {unseen:.0} l unseen; {}\n",
         text_of(&position_of(&report.camera)),
         report.outcome.name()
     );

@@ -69,7 +69,7 @@ const FIELD_DEG: f64 = 70.0;
 impl Obstruction {
     /// Shows a blockage with its next view.
     pub fn new(blockage: &Blockage, next: Option<&NextView>, robot: &Robot) -> Self {
-        let first = blockage.first();
+        let first = blockage.first;
         let (candidate, grasp) = match &blockage.candidate {
             Candidate::Path(_) => ("path", None),
             Candidate::BlockedPath(_) => ("blocked-path", None),
@@ -150,7 +150,7 @@ impl Obstruction {
         {
             (Some(link), _, _) if *candidate == "grasp" => format!("; {link} meets them"),
             (Some(link), Some(edge), Some(at)) => {
-                format!("; {link} meets them first, {:.0} % along segment {}", 100.0 * at, edge + 1)
+                format!("; {link} meets them first, {:.1} % along segment {}", 100.0 * at, edge + 1)
             }
             _ => String::new(),
         };

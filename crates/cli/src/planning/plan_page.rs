@@ -155,8 +155,12 @@ fn placed(plan: &PlanFile) -> Vec<String> {
         let points = |segment: &Segment| segment.waypoints.len();
         let home = matches!(plan.task.get(set_down.stage + 1), Some(Stage::Move(Move::Home)));
         let back = plan.segments.get(index + 2).filter(|_| home);
-        let back = back.map_or_else(|| "where it stays".to_owned(), |back| format!("{} home", points(back)));
-        let (name, clear) = (&place.place, at_least_mm(place.clear_m));
+        let end = match plan.task.get(set_down.stage + 1) {
+            None => "where it stays",
+            Some(_) => "where the next stage begins",
+        };
+        let back = back.map_or_else(|| end.to_owned(), |back| format!("{} home", points(back)));
+        let (name, clear) = (&place.place, at_least_mm(place.clear_m.max(place.retreat_m)));
         Some(format!(
             "'{name}': {} to set it down, {} until the hand is {clear} off it, {back}",
             counted(points(set_down), "way point"),

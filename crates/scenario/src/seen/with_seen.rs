@@ -43,6 +43,11 @@ impl Scenario {
                 return Err(ScenarioError::SeenOption { property, value });
             }
         }
+        let (fine_m, cell_m) = (options.fine_m, options.cell_m);
+        // The default is that of no wider cells.
+        if fine_m > cell_m && fine_m.total_cmp(&SeenOptions::default().fine_m).is_ne() {
+            return Err(ScenarioError::SeenFine { fine_m, cell_m });
+        }
         let known = |name: &str, solids: Vec<(Pose, Solid)>, tolerance_m: f64, reach_m: f64| KnownBody {
             name: name.to_owned(),
             solids,
@@ -157,27 +162,40 @@ impl Scenario {
             claimed.push(format!("{} of an obstacle of the scenario", millimetres(reach_m)));
         }
         if options.floor_reach_m > 0.0 {
-            claimed.push(format!("{} of the floor", millimetres(options.floor_reach_m)));
+            claimed.push(format!(
+                "{} of the floor, except for a layer of a cell at most",
+                millimetres(options.floor_reach_m)
+            ));
         }
         let claimed = if claimed.is_empty() {
             String::new()
         } else {
             format!("; everything does within {}", claimed.join(", "))
         };
+        let has_known = stated || self.target.is_some() || self.world.bodies().iter().any(Body::is_floor);
+        let risen = if has_known {
+            format!(", and so may things that rise less than {layer} above the surface of a known body")
+        } else {
+            String::new()
+        };
+        let around_robot = if options.robot_reach_m > 0.0 {
+            let reach = millimetres(options.robot_reach_m);
+            format!("Within {reach} of the robot at its start, unseen space counts as free, and so does all")
+        } else {
+            "All counts as free".to_owned()
+        };
         Some(format!(
             "the obstacles are {besides}what {} {show}; {unseen}. Their errors are bounded by {} mm + {} % of the depth, {} pixels, and {} mm \
-             and {}° of the camera's pose; things thinner than {detail} may be missed, and so may \
-             things that rise less than {layer} above the surface of a known body. Within {} of the \
-             robot at its start, unseen space counts as free, and so does all in the cells, {} wide, that the robot touches \
-             there{claimed}",
+             and {}° of the camera's pose; things thinner than {detail} may be missed{risen}. {around_robot} in the cells, {} wide, \
+             that the robot touches {}{claimed}",
             cranny_file::counted(sensors.len(), "view"),
             bound(greatest(|sensor| sensor.depth_error_m), 1e3, 1),
             bound(greatest(|sensor| sensor.depth_error_share), 1e2, 2),
             bound(greatest(|sensor| sensor.lateral_error_px), 1.0, 1),
             bound(greatest(|sensor| sensor.position_error_m), 1e3, 1),
             bound(greatest(|sensor| sensor.turn_error_rad), 1_f64.to_degrees(), 2),
-            millimetres(options.robot_reach_m),
             millimetres(options.cell_m),
+            if options.robot_reach_m > 0.0 { "there" } else { "at its start" },
         ))
     }
 }

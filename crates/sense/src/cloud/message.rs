@@ -52,8 +52,11 @@ impl CloudMessage<'_> {
                 "{height} rows of {row_step} bytes are announced, but the data has {actual} bytes"
             ));
         }
-        if needed == 0 || height == 0 {
+        if width == 0 || height == 0 {
             return Err("the cloud has no points".to_owned());
+        }
+        if point_step == 0 {
+            return Err(format!("{} points of 0 bytes are announced (point_step)", width * height));
         }
         let places = axes(&self.fields.iter().map(|field| field.name.as_str()))?;
         let mut coordinates = [(0, Number::Float(4)); 3];

@@ -9,7 +9,7 @@ use crate::cloud::read_cloud::ReadCloud;
 /// A sentence on another shape or type, or data of another length.
 pub(crate) fn read(bytes: &[u8]) -> Result<ReadCloud, String> {
     let mut array = NpyArray::of(bytes)?;
-    let expected = "a cloud is an array of floats of shape (n, 3) or (rows, columns, 3)";
+    let expected = "a cloud is an array of float32 or float64 of shape (n, 3) or (rows, columns, 3)";
     let count = match array.shape[..] {
         [count, 3] => Some(count),
         [rows, columns, 3] => rows.checked_mul(columns),

@@ -185,7 +185,8 @@ impl SeenMap {
         self.layer_m
     }
 
-    /// Returns the volume that is seen to be free, in cubic metres.
+    /// Returns the volume of the region that is no obstacle of the map, in cubic metres: what is seen to be free, and the inside of
+    /// known bodies, such as below the floor.
     pub fn free_m3(&self) -> f64 {
         let volume = |aabb: &Aabb| 8.0 * aabb.half_extents.product();
         let taken: f64 = self.occupied.iter().chain(&self.unseen).map(volume).sum();
