@@ -408,6 +408,19 @@ pub enum RobotError {
         /// Files that were tried.
         tried: Vec<PathBuf>,
     },
+    /// A model that an SDF includes does not exist.
+    #[error(
+        "{at}: the model `{uri}` that is included was not found; tried {} (GZ_SIM_RESOURCE_PATH lists folders of models)",
+        listed(tried)
+    )]
+    ModelNotFound {
+        /// Location of the inclusion.
+        at: Location,
+        /// Its URI as written.
+        uri: String,
+        /// Files that were tried.
+        tried: Vec<PathBuf>,
+    },
     /// A collision geometry is not a usable solid.
     #[error("{at}: link `{link}`: {reason}")]
     Shape {

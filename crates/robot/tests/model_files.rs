@@ -313,6 +313,38 @@ fn a_world_of_an_sdf_has_its_free_models_and_its_ground() {
     assert!((links[1].solids[0].0.translation.vector - Vector::new(1.0, 0.0, 0.6)).norm() < 1e-12);
 }
 
+/// Masses that the model computes are not known, and never those of its text.
+#[test]
+fn masses_that_a_model_computes_count_as_not_stated() {
+    let inertial = "<inertial pos='0 0 0' mass='2' diaginertia='1 1 1'/>";
+    let masses = |text: &str| -> (Vec<Option<f64>>, Vec<String>) {
+        let robot = read(text).expect("a robot");
+        let masses = robot.links().iter().map(|link| link.inertial.map(|inertial| inertial.mass_kg));
+        (masses.collect(), robot.notes().to_vec())
+    };
+    let plain =
+        arm(&format!("{inertial}<geom size='0.1'/>"), "<compiler inertiafromgeom='auto' settotalmass='-1'/>");
+    assert!(masses(&plain).0.contains(&Some(2.0)));
+    for changed in ["inertiafromgeom='true'", "settotalmass='5'", "boundmass='0.1'", "balanceinertia='true'"]
+    {
+        let text = arm(&format!("{inertial}<geom size='0.1'/>"), &format!("<compiler {changed}/>"));
+        let (found, notes) = masses(&text);
+        assert!(found.iter().all(Option::is_none), "{changed}: {found:?}");
+        let name = changed.split('=').next().unwrap_or_default();
+        assert!(notes.iter().any(|note| note.contains(name) && note.contains("without mass")), "{notes:?}");
+    }
+    let sdf = "<sdf version='1.11'><model name='m'><link name='a'/>
+      <link name='b'><pose>0 0 0.4 0 0 0</pose><inertial auto='true'><density>5000</density></inertial>
+        <collision name='c'><geometry><box><size>0.6 0.1 0.1</size></box></geometry></collision></link>
+      <joint name='j' type='revolute'><parent>a</parent><child>b</child><axis><xyz>0 1 0</xyz><initial_position>0.4</initial_position>
+        <limit><lower>-1</lower><upper>1</upper><stiffness>3</stiffness></limit></axis></joint></model></sdf>";
+    let (found, notes) = masses(sdf);
+    assert!(found.iter().all(Option::is_none), "{found:?}");
+    for part in ["auto", "<initial_position>", "<stiffness>"] {
+        assert!(notes.iter().any(|note| note.contains(part)), "{part}: {notes:?}");
+    }
+}
+
 /// Models of Gazebo of versions before 1.7 name joints like links, state limits of 1e12 and begin with an empty line.
 #[test]
 fn an_old_sdf_of_gazebo_is_read() {
@@ -373,7 +405,7 @@ fn faults_of_an_sdf_are_refused_with_their_lines() {
         (model("<include><uri>https://fuel/can</uri></include>"), "m.xml:2: the address https://fuel/can"),
         (
             model("<include><uri>model://no</uri></include>"),
-            "m.xml:2: link `<include>`: mesh `model://no` not found",
+            "m.xml:2: the model `model://no` that is included was not found; tried ",
         ),
     ] {
         let message = refusal(&text);

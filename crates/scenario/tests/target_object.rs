@@ -195,13 +195,38 @@ fn what_the_scenario_says_goes_before_the_object_and_what_is_asked_before_both()
     }
 }
 
+/// A body that a task picks has the mass and friction of its object too, whether it is the target or an obstacle.
+#[test]
+fn an_obstacle_has_the_mass_of_its_object_unless_its_entry_states_one() {
+    let banana = builtin_object("banana").unwrap();
+    for (line, mass_kg) in [("", banana.mass_kg), ("    mass_kg: 0.3\n", 0.3)] {
+        let fruit = format!(
+            "  - name: fruit\n    pose: {{position: [0, 0, 0.3]}}\n    shapes: [{{object: banana}}]\n{line}"
+        );
+        let folder = folder_with(BOX, &fruit);
+        let scenario = open_folder(folder.path());
+        let fruit = scenario.world.body_index("fruit").unwrap();
+        let stated = scenario.physics_of(fruit);
+        assert_eq!((stated.mass_kg, stated.friction), (Some(mass_kg), Some(DEFAULT_FRICTION.into())));
+        let picked = scenario.with_target("fruit").unwrap();
+        assert_eq!(picked.target_physics(), stated);
+        let object = target(&picked).object;
+        assert!((object.mass_kg - mass_kg).abs() < 1e-15);
+        // Its frame and its mass survive the files of another folder.
+        let copy = tempfile::tempdir().unwrap();
+        Recipe::of_scenario(&scenario).unwrap().write_folder(copy.path()).unwrap();
+        let again = open_folder(copy.path());
+        assert_eq!(again.physics_of(again.world.body_index("fruit").unwrap()).mass_kg, Some(mass_kg));
+    }
+}
+
 #[test]
 fn a_target_without_a_mass_and_a_scenario_without_a_target() {
     let scenario = open_folder(folder_with(BOX, "").path());
     let fault = scenario.target_object(&AS_SAID).unwrap_err();
     assert!(matches!(fault, ScenarioError::Object(ObjectError::NoMass { .. })));
     let text = fault.to_string();
-    assert!(text.contains("mass of its target 'thing'") && text.contains("mass_kg under target"), "{text}");
+    assert!(text.contains("the mass of 'thing'") && text.contains("add mass_kg to its entry"), "{text}");
     let light = TargetPhysics { mass_kg: Some(0.1), ..AS_SAID };
     assert!(scenario.target_object(&light).unwrap().is_some());
     for id in ["011", "021"] {

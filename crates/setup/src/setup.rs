@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use cranny_robot::{Robot, RobotFiles, Srdf};
 use cranny_scenario::write_whole_folder;
+use cranny_spatial::Stream;
 
 use crate::anatomy::{by_name, extent_m};
 use crate::choice::Choice;
@@ -95,8 +96,19 @@ impl RobotSetup {
             }
         };
         let seldom_free: Vec<&[f64]> = contacts.iter().filter_map(|c| c.free_at.as_deref()).collect();
-        let start = StartChoice::of(&robot, written.floor_m, &states, &seldom_free)?
-            .ok_or_else(|| never_free(&draft.file, &robot, &contacts))?;
+        let mut start = StartChoice::of(&robot, written.floor_m, &states, &seldom_free)?;
+        if start.is_none() {
+            // An arm may hang below the links that carry it.
+            written.floor_m = below_all_m(&robot);
+            start = StartChoice::of(&robot, written.floor_m, &states, &seldom_free)?;
+            draft.choices.push(Choice::new(
+                "ground",
+                format!("at z = {:.3} m", written.floor_m),
+                "nothing is free above the lowest point of the links that carry the arm",
+                "`floor_m` in robot.yaml",
+            ));
+        }
+        let start = start.ok_or_else(|| never_free(&draft.file, &robot, &contacts))?;
         // A pair that does not touch at the start does not always touch.
         for contact in contacts.iter_mut().filter(|contact| contact.is_always()) {
             if PairSearch::new(&robot, contact.links).is_free(&start.q) {
@@ -131,8 +143,8 @@ impl RobotSetup {
 
 /// Returns the error for a robot of which no drawn configuration is free.
 fn never_free(file: &str, robot: &Robot, contacts: &[SelfContact]) -> SetupError {
-    let worst =
-        contacts.iter().filter(|c| c.unchecked.is_none() && !c.is_always()).max_by_key(|c| c.touching);
+    let worst = contacts.iter().filter(|c| c.unchecked.is_none() && !c.is_always() && c.touching > 0);
+    let worst = worst.max_by_key(|c| c.touching);
     let name = |link: usize| robot.links()[link].name.clone();
     let pair = worst.map_or_else(
         || "the ground".to_owned(),
@@ -170,6 +182,25 @@ fn floor_m(robot: &Robot, base: Base) -> f64 {
     let floor = standing.min(moved);
     // The links on the ground must not touch it either.
     if floor.is_finite() { (floor * 1e4).floor() / 1e4 - 1e-4 } else { 0.0 }
+}
+
+/// Returns a height (m) of the ground in the root frame that is below the robot in all of some drawn configurations.
+fn below_all_m(robot: &Robot) -> f64 {
+    const DRAWS: usize = 1000;
+    let mut random = Stream::new(0, 2);
+    let lowest_at = |q: Vec<f64>| {
+        let frames = robot.frames_at(&q);
+        let shapes = robot.links().iter().enumerate().flat_map(|(link, data)| {
+            let root_from_link = *frames.link(link);
+            data.collisions
+                .iter()
+                .map(move |shape| (root_from_link * shape.link_from_shape, shape.solid.clone()))
+        });
+        -extent_m(&shapes.collect::<Vec<_>>(), &-cranny_spatial::Vector::z())
+    };
+    let lowest = (0..DRAWS).map(|_| lowest_at(robot.random_configuration(&mut random)));
+    let lowest = lowest.fold(f64::INFINITY, f64::min);
+    if lowest.is_finite() { (lowest * 10.0).floor() / 10.0 } else { 0.0 }
 }
 
 /// Returns the named states of the SRDF that set at least three joints of the group, other joints at their default.

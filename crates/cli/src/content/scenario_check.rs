@@ -4,6 +4,7 @@ use std::fmt::Write;
 use cranny_collision::Margins;
 use cranny_scenario::{OpenOptions, Scenario, check, model_notes};
 use cranny_sim::Rest;
+use cranny_solve::Request;
 use cranny_task::Stage;
 use serde::Serialize;
 
@@ -32,6 +33,11 @@ pub fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
         let faults = crate::start::faults(&problem);
         problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
         problems.extend(scenario.misplaced_grasps());
+        for task in &scenario.tasks {
+            let request = Request { stages: task.stages.clone(), ..Request::default() };
+            problems
+                .extend(request.check(&problem).err().map(|fault| format!("task '{}': {fault}", task.name)));
+        }
         notes.extend(scenario.blind_views());
         match scenario.mismatched_loads() {
             Ok(fault) => problems.extend(fault),
@@ -91,10 +97,15 @@ fn restless_target(scenario: &Scenario, rest: &Rest) -> Option<String> {
     let name = target_name(scenario);
     let place = rest.world_from_object.translation.vector;
     let turn = rest.world_from_object.rotation.coords;
+    /// Turn above which an object may have rolled, in radians.
+    const ROLLED_RAD: f64 = 0.02;
+    let rolls = match rest.turned_rad > ROLLED_RAD {
+        true => " (for an object that rolls, set `rolling_m` beside its mass)",
+        false => "",
+    };
     Some(format!(
-        "the target {name} does not rest at its pose: in 2 s it moves by {} and turns by {}, to position \
-         [{:.4}, {:.4}, {:.4}], quaternion_xyzw [{:.4}, {:.4}, {:.4}, {:.4}] in the planning frame (for an \
-         object that rolls, set `rolling_m` beside its mass)",
+        "{name} does not rest at its pose: in 2 s it moves by {} and turns by {}, to position \
+         [{:.4}, {:.4}, {:.4}], quaternion_xyzw [{:.4}, {:.4}, {:.4}, {:.4}] in the planning frame{rolls}",
         text::millimetres(rest.moved_m),
         text::degrees(rest.turned_rad),
         place.x,

@@ -1,5 +1,6 @@
 //! `cranny scenario from`: a scenario from the model of a world.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -65,10 +66,17 @@ pub fn convert(arguments: &FromArguments, output: Output) -> Result<Answer, Fail
     let stem = || arguments.world.file_stem().unwrap_or_default().into();
     let folder: PathBuf = arguments.output.clone().unwrap_or_else(stem);
     check_free_folder(&folder)?;
+    let mut joints = BTreeMap::new();
+    for (joint, value) in &arguments.world_joints {
+        if joints.insert(joint.clone(), *value).is_some() {
+            let problem = format!("the value of joint '{joint}' is given twice");
+            return Err(Failure::Flag { flag: "world-joint", problem });
+        }
+    }
     let conversion = WorldConversion {
         robot: arguments.robot.clone(),
         target: arguments.target.clone(),
-        joints: arguments.world_joints.iter().cloned().collect(),
+        joints,
         left_out: arguments.leave_out.clone(),
         robot_at: arguments.at,
         folders: arguments.model_path.clone(),

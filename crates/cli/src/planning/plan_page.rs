@@ -111,7 +111,7 @@ fn beyond_least(plan: &PlanFile) -> String {
     let share = plan.least_length.map(|least| plan.path_length / least - 1.0);
     share.filter(|share| share.is_finite()).map_or_else(String::new, |share| {
         let percent = cranny_file::at_most(100.0 * share, 1.0, 0);
-        format!(", at most {percent} % longer than any motion of this task")
+        format!(", at most {percent} % longer than the shortest possible motion")
     })
 }
 

@@ -57,8 +57,7 @@ impl ModelFolders {
         }
         let tried = candidates(uri, Some(folder), &self.folders);
         let Some(found) = tried.iter().find(|path| path.exists()) else {
-            let (at, link, mesh) = (include.at(), "<include>".to_owned(), uri.to_owned());
-            return Err(RobotError::MeshNotFound { at, link, mesh, tried });
+            return Err(RobotError::ModelNotFound { at: include.at(), uri: uri.to_owned(), tried });
         };
         let path = if found.is_dir() { model_file(found)? } else { found.clone() };
         let text = read(cranny_file::TEXT, &path)?;
