@@ -267,7 +267,7 @@ fn arrays_of_points_are_read() {
     assert_eq!(points_of(&columns), POINTS);
     refused(
         &array("<f4", &[3, 4], &narrow),
-        "the shape is [3, 4], but a cloud is an array of floats of shape (n, 3)",
+        "the shape is [3, 4], but a cloud is an array of float32 or float64 of shape (n, 3)",
     );
     refused(&array("<f4", &[5, 3], &narrow), "cut short");
     refused(&array("<f4", &[1 << 40, 3], &narrow), "more numbers are announced than the file holds");
