@@ -205,8 +205,8 @@ impl PyScenario {
         self.scenario.target.map(|target| PyBody::of_scene(&self.scenario.world.bodies()[target]))
     }
 
-    /// Space that cameras have seen, if the obstacles are a map of it: a dictionary of its "region" (m), the volume that is free or
-    /// inside of known bodies ("free_m3"), the diameter of details that can be missed ("detail_m"), a "statement" of all that is assumed, …; else None.
+    /// Space that cameras have seen, if the obstacles are a map of it: a dictionary of its "region" (m), its volume that is free or
+    /// inside known bodies ("free_m3"), the diameter of details that can be missed ("detail_m"), a "statement", …; else None.
     #[getter]
     fn seen<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &SeenSummary::of(&self.scenario))
@@ -400,10 +400,9 @@ impl PyScenario {
                 bodies.len() - 1
             })
         });
-        let scenario = (**own).clone();
         // A planning scene does not state the masses of objects.
         let is_kept = |name: &String| read.bodies().iter().all(|body| body.name != *name);
-        let mut scenario = scenario;
+        let mut scenario = (**own).clone();
         scenario.sources.retain(|name, _| is_kept(name));
         scenario.physics.retain(|name, _| is_kept(name));
         if place.is_some_and(|place| place < read.bodies().len()) {

@@ -132,7 +132,7 @@ const MOST_TRIES: u64 = 1000;
   cranny plan 031 --place outside --min-score load=3
   cranny plan 021 --grasps none
   cranny plan --moveit scene0001.yaml request0001.yaml
-  cranny plan 021 --explore --noise-seed 1 -o seen021
+  cranny plan 021 --explore --noise-seed 1 --time-limit 2 -o seen021
   cranny plan 021 --explore --views 12 --camera hand --cameras cameras.yaml
   cranny plan 021 --json --quiet", mut_arg("id", |id| id
     .required(false)

@@ -53,7 +53,12 @@ fn body(name: &str, boxes: &[([f64; 3], [f64; 3])]) -> Body {
         world_from_solid: Pose::translation(*x, *y, *z),
         solid: Solid::cuboid((*half_m).into()).unwrap(),
     };
-    Body { name: name.to_owned(), parts: boxes.iter().map(part).collect(), tilt_rad: None }
+    Body {
+        name: name.to_owned(),
+        parts: boxes.iter().map(part).collect(),
+        tilt_rad: None,
+        center_of_mass: None,
+    }
 }
 
 /// Returns the corners of a wedge whose upper face rises along x through the origin.

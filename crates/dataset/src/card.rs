@@ -17,7 +17,10 @@ const DEMONSTRATION_COLUMNS: [[&str; 2]; 21] = [
     ["outcome", "`solved` with a proven path; otherwise the outcome of the search"],
     ["seed", "seed of the search, its 64 bits as a signed number"],
     ["start", "start configuration (m, rad), in the order of `joint_names` in `dataset.json`"],
-    ["waypoints", "way points (m, rad), joint after joint; straight lines between; empty unless solved"],
+    [
+        "waypoints",
+        "way points (m, rad), one after another, each with one value per joint; straight lines between; empty unless solved",
+    ],
     ["times_s", "times at which the way points are passed; the motion stops at each"],
     [
         "segments",

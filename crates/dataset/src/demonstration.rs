@@ -16,7 +16,7 @@ pub struct Demonstration {
     pub seed: u64,
     /// Start configuration (m, rad; one per joint).
     pub start: Vec<f64>,
-    /// Way points (m, rad), joint after joint, one way point after another; empty unless solved.
+    /// Way points (m, rad), one after another, each with one value per joint; empty unless solved.
     pub waypoints: Vec<f64>,
     /// Times at which the way points are passed, in seconds, one per way point.
     pub times_s: Vec<f64>,

@@ -68,7 +68,7 @@ impl CloudWorld {
         let solid = Solid::union(BoxUnion::of_points(&left.points, settings.radius_m)?);
         let build_s = begin.elapsed().as_secs_f64();
         let parts = vec![Part { world_from_solid: Pose::identity(), solid }];
-        let body = Body { name: "cloud".to_owned(), parts, tilt_rad: None };
+        let body = Body { name: "cloud".to_owned(), parts, tilt_rad: None, center_of_mass: None };
         let (sampled, kept) = (cloud.points.len(), left.points.len());
         Ok(Self { world: world.with_bodies(vec![body])?, sampled, kept, filter_s, build_s })
     }

@@ -258,7 +258,7 @@ impl TaskJudge<'_> {
         let stage = &self.stages[run.segment.stage];
         let is_let_go = run.next.is_some_and(|next| !next.mode.holds);
         if let (Stage::Place(place), true) = (stage, is_let_go) {
-            let placer = Placer::new(carrier, self.problem.place(&place.place)?, place.clear_m)?;
+            let placer = Placer::new(self.problem, carrier, place)?;
             if let Some(fault) = placer.fault_at(&carrier.held_at(grip, run.end())) {
                 audit.violations.push(Violation::at_way_point(run.last(), Cause::NotPlaced { fault }));
             }

@@ -346,11 +346,7 @@ impl fmt::Display for Violation {
                 write!(f, "{joint} is {} {unit} off the start", apart(*off, 6))
             }
             Cause::JointLimit(JointOffset { joint, off, unit }) => {
-                write!(
-                    f,
-                    "{at}: {joint} is {} {unit} beyond its limit, of the robot or of the task",
-                    apart(*off, 4)
-                )
+                write!(f, "{at}: {joint} is {} {unit} beyond its limit, of robot or task", apart(*off, 4))
             }
             Cause::Contact { depth_m } => {
                 write!(f, "{at}: {first} is {} mm deep in {second}", apart(mm(*depth_m), 3))

@@ -194,6 +194,17 @@ fn kinds(asked: &MoveItProblem, faults: &[ConfigurationFault]) -> Vec<Kind> {
 }
 
 fn timed_points(trajectory: &TaskTrajectory, rate_hz: f64) -> Result<Vec<Value>, RecordError> {
+    /// Maximum number of points of a response: an hour and a half at 20 Hz; more would fill the memory of server and client.
+    const MOST_POINTS: f64 = 100_000.0;
+    let count = trajectory.duration_s() * rate_hz;
+    if count > MOST_POINTS {
+        let problem = format!(
+            "the trajectory takes {:.0} s, which are {count:.0} points at {rate_hz} Hz, but a response has at most {MOST_POINTS} \
+             (give higher max_velocity_scaling_factor and max_acceleration_scaling_factor, or start with a lower --rate)",
+            trajectory.duration_s()
+        );
+        return Err(RecordError::PlanOptions { field: "motion_plan_request", problem });
+    }
     let samples = trajectory.samples(rate_hz)?;
     Ok(samples.map(|at| point(&at.position, &at.velocity, &at.acceleration, at.time_s)).collect())
 }

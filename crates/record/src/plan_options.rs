@@ -228,6 +228,17 @@ impl PlanOptions {
             let problem = "nothing is carried in this task".to_owned();
             return Err(RecordError::PlanOptions { field: "hold", problem });
         }
+        let default_weight = OptimiseSettings::default().score_weight;
+        for (field, is_given) in [
+            ("cost", self.cost.is_some()),
+            ("score_weight", self.score_weight.total_cmp(&default_weight).is_ne()),
+        ] {
+            if is_given && self.optimise.is_none() {
+                let problem =
+                    "nothing is optimised: give a time for it, too (--optimise, optimise_s)".to_owned();
+                return Err(RecordError::PlanOptions { field, problem });
+            }
+        }
         // A motion home after a place.
         let returns = stages.windows(2).any(|pair| matches!(pair, [Stage::Place(_), Stage::Move(_)]));
         if let Some((field, mode)) = self.paces.twice() {

@@ -9,8 +9,8 @@ use cranny_shape::Solid;
 use cranny_solve::{Answer, Request, solve};
 use cranny_spatial::{Point, Pose, Vector};
 use cranny_task::{
-    CLEAR_M, Carrier, ContactSegment, LiftOffSettings, NotCheckedReason, PlaceGoal, PlaceRegion, Placer,
-    Problem, Stage, TaskError,
+    CLEAR_M, Carrier, ContactSegment, LiftOffSettings, NotCheckedReason, PlaceAt, PlaceGoal, PlaceRegion,
+    Placer, Problem, Stage, TaskError,
 };
 
 fn opened(id: &str) -> Scenario {
@@ -119,13 +119,19 @@ fn what_does_not_carry_the_object_is_not_touched_at_the_start() {
     }
 }
 
+/// Returns the placer of the target at a goal.
+fn placer(problem: &Problem, carrier: &Carrier, goal: PlaceGoal) -> Result<Placer, TaskError> {
+    let place = PlaceAt { clear_m: CLEAR_M, ..PlaceAt::named(&goal.name) };
+    Placer::new(&problem.clone().with_places(&[goal]), carrier, &place)
+}
+
 /// Returns the fault of putting the target down at its present pose moved by `motion`, if any.
 fn fault(scenario: &Scenario, motion: &Pose) -> Option<String> {
     let problem = problem(scenario, 0.0);
     let carrier = Carrier::new(&problem, LiftOffSettings::default()).unwrap();
     let now = scenario.world.bodies()[scenario.target.unwrap()].parts[0].world_from_solid;
     let goal = PlaceGoal { name: "there".to_owned(), spot: PlaceRegion::Target(motion * now) };
-    Placer::new(&carrier, &goal, CLEAR_M).unwrap().fault_at(&(motion * now))
+    placer(&problem, &carrier, goal).unwrap().fault_at(&(motion * now))
 }
 
 #[test]
@@ -178,7 +184,7 @@ fn a_slope_is_no_place_for_a_robot_that_is_tilted_as_it_is() {
     let problem = problem(&tilted, 0.0);
     let carrier = Carrier::new(&problem, LiftOffSettings::default()).unwrap();
     let goal = problem.place("outside").unwrap().clone();
-    assert!(Placer::new(&carrier, &goal, CLEAR_M).unwrap_err().to_string().contains("not level"));
+    assert!(placer(&problem, &carrier, goal).unwrap_err().to_string().contains("not level"));
 }
 
 #[test]
@@ -211,9 +217,10 @@ fn a_rectangle_is_level_in_the_scene_however_the_robot_stands() {
         let grasp = "-1,0,0,0.8,0,1,0,0,0,0,-1,0.67,0,0,0,1\n";
         std::fs::write(folder.path().join("grasps.csv"), grasp).unwrap();
         Scenario::open(folder.path().to_str().unwrap(), &OpenOptions::default()).map(|scenario| {
-            let carrier = Carrier::new(&problem(&scenario, 0.0), LiftOffSettings::default()).unwrap();
+            let problem = problem(&scenario, 0.0);
+            let carrier = Carrier::new(&problem, LiftOffSettings::default()).unwrap();
             let goal = scenario.places[0].clone();
-            Placer::new(&carrier, &goal, CLEAR_M).unwrap().with_placements(0).placements().count()
+            placer(&problem, &carrier, goal).unwrap().with_placements(0).placements().count()
         })
     };
     assert!(places("[0, 0, 20]").unwrap() > 0);

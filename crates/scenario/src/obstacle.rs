@@ -92,6 +92,6 @@ impl Obstacle {
             })
         };
         let parts = self.boxes().into_iter().map(part).collect::<Result<_, _>>()?;
-        Ok(Body { name: name.to_owned(), parts, tilt_rad: None })
+        Ok(Body { name: name.to_owned(), parts, tilt_rad: None, center_of_mass: None })
     }
 }

@@ -16,7 +16,7 @@ pub struct Extent {
     normals: Arc<[Vector]>,
     /// Triangles of its convex hull.
     hull: Arc<[[Point; 3]]>,
-    /// Centre of mass at uniform density, and a bound on its error, in metres.
+    /// Centre of mass, as stated or at uniform density, and a bound on its error, in metres.
     center: Point,
     center_error_m: f64,
 }
@@ -83,8 +83,11 @@ impl Extent {
         }
         // A surface that encloses no volume has no centre of mass: take the centre of its bounding ball.
         let middle = || body.ball().map_or_else(Point::origin, |ball| held_from_world * ball.center);
-        let (center, center_error_m) = UnionMoments::of_mesh(&surface)
-            .map_or_else(|_| (middle(), 0.0), |of_union| (of_union.moments.center, of_union.error_m));
+        let (center, center_error_m) = match body.center_of_mass {
+            Some(stated) => (stated, 0.0),
+            None => UnionMoments::of_mesh(&surface)
+                .map_or_else(|_| (middle(), 0.0), |of_union| (of_union.moments.center, of_union.error_m)),
+        };
         let mut normals = greatest_normals(&flat, |_| true);
         normals.truncate(MOST_NORMALS);
         // A flat body has no hull.
@@ -93,7 +96,7 @@ impl Extent {
         Ok(Self { parts: parts.into(), normals: normals.into(), hull: hull.into(), center, center_error_m })
     }
 
-    /// Returns the centre of mass at uniform density, in the frame of the first solid; volume shared by solids counts once.
+    /// Returns the centre of mass in the frame of the first solid, as stated or at uniform density; volume shared by solids counts once.
     pub fn center_of_mass(&self) -> Point {
         self.center
     }

@@ -22,12 +22,19 @@ pub struct Body {
     pub parts: Vec<Part>,
     /// Maximum tilt of the body, once it is held, relative to its pose before the grasp, in radians; `None` for no limit.
     pub tilt_rad: Option<f64>,
+    /// Stated centre of mass, in the frame of its first solid (m); `None`: that of uniform density.
+    pub center_of_mass: Option<Point>,
 }
 
 impl Body {
     /// Creates a body of one solid.
     pub fn new(name: impl Into<String>, world_from_solid: Pose, solid: Solid) -> Self {
-        Self { name: name.into(), parts: vec![Part { world_from_solid, solid }], tilt_rad: None }
+        Self {
+            name: name.into(),
+            parts: vec![Part { world_from_solid, solid }],
+            tilt_rad: None,
+            center_of_mass: None,
+        }
     }
 
     /// Creates the floor: everything below `height_m` (m) in the planning frame.

@@ -138,7 +138,7 @@ fn obstruction(truth: &Scenario, report: &ViewReport) -> Option<String> {
         Candidate::Grasp { .. } => "grasp",
     };
     let unseen = blockage.unseen_count();
-    let link = blockage.first().map(|first| truth.robot.links()[first.link].name.clone());
+    let link = blockage.first.map(|first| truth.robot.links()[first.link].name.clone());
     Some(format!(
         "{candidate}: {unseen} unseen and {} occupied cells, {}",
         blockage.cells.len() - unseen,

@@ -6,8 +6,9 @@ use serde::de::DeserializeOwned;
 use serde_saphyr::Spanned;
 
 use crate::description::urdf_model::{UrdfJoint, UrdfJointKind, UrdfLimits};
-use crate::error::{Location, RobotError};
+use crate::error::RobotError;
 use crate::joint_constraint::JointConstraint;
+use crate::location::Location;
 
 /// Limits of one joint from a `limits.yaml`, and their location in the file.
 pub(crate) struct RateLimits {

@@ -4,7 +4,8 @@ use crate::chain::limits::CONTINUOUS_LIMIT_RAD;
 use crate::description::inertial::Inertial;
 use crate::description::visual::{LinkForm, LinkVisual};
 use crate::description::xml::Element;
-use crate::error::{Location, RobotError};
+use crate::error::RobotError;
+use crate::location::Location;
 
 /// Content of a URDF, checked element by element; `tree` checks that its links form a tree.
 pub(crate) struct Urdf {

@@ -3,7 +3,8 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Location, RobotError};
+use crate::error::RobotError;
+use crate::location::Location;
 
 /// Description of a hand with parallel pads beyond its URDF: `hand` in the `robot.yaml` of a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -182,7 +182,7 @@ fn bodies(
         colours.entry(name.clone()).or_default().extend(of_solids);
         match bodies.iter_mut().find(|body| body.name == name) {
             Some(body) => body.parts.extend(parts),
-            None => bodies.push(Body { name, parts: parts.collect(), tilt_rad: None }),
+            None => bodies.push(Body { name, parts: parts.collect(), tilt_rad: None, center_of_mass: None }),
         }
     }
     colours.retain(|_, colours| colours.iter().any(Option::is_some));

@@ -83,11 +83,13 @@ pub(crate) fn open_texts(
     let mut colours = BodyColours::new();
     let (mut bodies, mut clouds): (Vec<Body>, Vec<CloudCounts>) = (Vec::new(), Vec::new());
     let (mut names, mut body_frames, mut sources) = (HashSet::new(), BTreeMap::new(), BTreeMap::new());
+    let mut objects_kg = BTreeMap::new();
     for entry in &file.obstacles {
         layout.check_name(entry, &mut names)?;
         let read = layout.body(entry, &planning_from_scene, Solid::mesh_with_small_holes)?;
         body_frames.extend(read.frame.map(|frame| (read.body.name.clone(), frame)));
         sources.extend(read.source.map(|source| (read.body.name.clone(), source)));
+        objects_kg.extend(read.objects_kg.map(|mass_kg| (read.body.name.clone(), mass_kg)));
         bodies.push(read.body);
         clouds.extend(read.clouds);
         layout.add_colours(entry, &mut colours)?;
@@ -98,6 +100,7 @@ pub(crate) fn open_texts(
         layout.refuse_cloud(entry)?;
         given_physics = layout.physics_of(entry)?;
         let read = layout.body(entry, &planning_from_scene, Solid::mesh)?;
+        given_physics.mass_kg = given_physics.mass_kg.or(read.objects_kg);
         sources.extend(read.source.map(|source| (read.body.name.clone(), source)));
         layout.add_colours(entry, &mut colours)?;
         body_frames.extend(read.frame.map(|frame| (read.body.name.clone(), frame)));
@@ -142,7 +145,7 @@ pub(crate) fn open_texts(
         places,
         regions,
         tasks: layout.tasks(&file, &planning_from_scene)?,
-        physics: layout.physics_of_obstacles(&file)?,
+        physics: with_masses(layout.physics_of_obstacles(&file)?, objects_kg),
         colours,
         speeds: layout.speeds(&file)?,
         joint_bounds: file
@@ -162,6 +165,17 @@ pub(crate) fn open_texts(
     scenario.with_seen(&views, &seen.value.options())
 }
 
+/// Returns stated masses and frictions, with these masses (kg) of the bodies that state none.
+fn with_masses(
+    mut physics: BTreeMap<String, TargetPhysics>,
+    masses: BTreeMap<String, f64>,
+) -> BTreeMap<String, TargetPhysics> {
+    for (name, mass_kg) in masses {
+        physics.entry(name).or_default().mass_kg.get_or_insert(mass_kg);
+    }
+    physics
+}
+
 pub(crate) const FLOOR: &str = "floor";
 
 /// Body as read.
@@ -171,6 +185,8 @@ pub(crate) struct ReadBody {
     pub frame: Option<Pose>,
     /// Its object, if it is a single one.
     pub source: Option<ObjectSource>,
+    /// Sum of the masses of its objects (kg), if it consists of several and of nothing else.
+    pub objects_kg: Option<f64>,
     /// Numbers of points of its clouds.
     pub clouds: Vec<CloudCounts>,
 }
@@ -274,13 +290,20 @@ impl Layout<'_> {
         if parts.is_empty() {
             return Err(ScenarioError::ShapeCount { at: self.at(entry.name.referenced), actual: 0 });
         }
+        // Several objects that are one body weigh their sum.
+        let masses: Option<Vec<f64>> =
+            sources.iter().map(|source: &Option<ObjectSource>| source.as_ref()?.physics().mass_kg).collect();
+        let objects_kg = masses.filter(|masses| masses.len() > 1).map(|masses| masses.iter().sum());
         let source = if sources.len() == 1 { sources.pop().flatten() } else { None };
         let tilt_rad = entry.upright_deg.as_ref().map(|degrees| self.upright(degrees)).transpose()?;
         let frame = match &parts[..] {
             [first, _, ..] => Some(first.world_from_solid.inverse() * planning_from_body),
             _ => None,
         };
-        Ok(ReadBody { body: Body { name: name.clone(), parts, tilt_rad }, frame, source, clouds })
+        // An object's file states its centre of mass; solids of the body are in the frame of the object.
+        let center_of_mass = source.as_ref().and_then(ObjectSource::own).map(|own| own.center_of_mass);
+        let body = Body { name: name.clone(), parts, tilt_rad, center_of_mass };
+        Ok(ReadBody { body, frame, source, objects_kg, clouds })
     }
 
     /// Returns the place goals of the target.

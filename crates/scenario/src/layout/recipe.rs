@@ -239,7 +239,9 @@ impl RecipeBody {
             Ok(Part { world_from_solid: planning_from_body * body_from_shape, solid: shape.solid()? })
         };
         let parts = self.shapes.iter().map(part).collect::<Result<_, _>>()?;
-        Ok(Body { name: self.name.clone(), parts, tilt_rad: self.tilt_rad })
+        let own = self.source().and_then(ObjectSource::own);
+        let center_of_mass = own.map(|own| own.center_of_mass);
+        Ok(Body { name: self.name.clone(), parts, tilt_rad: self.tilt_rad, center_of_mass })
     }
 
     /// Returns the frame of a body of several shapes in that of its first shape.

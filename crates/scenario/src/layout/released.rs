@@ -222,7 +222,12 @@ fn scene_bodies(path: &Path) -> Result<(Vec<Body>, TargetPhysics), ScenarioError
             solid,
         };
         let parts = library.obstacle(object.entry(&library, path)?)?.into_iter().map(place).collect();
-        bodies.push(Body { name: object.name_after(&scene.bg_objects[..index]), parts, tilt_rad: None });
+        bodies.push(Body {
+            name: object.name_after(&scene.bg_objects[..index]),
+            parts,
+            tilt_rad: None,
+            center_of_mass: None,
+        });
     }
     let entry = target.entry(&library, path)?;
     let (solid, physics) = (library.target(entry)?, library.physics(entry)?);

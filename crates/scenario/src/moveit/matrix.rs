@@ -13,6 +13,8 @@ pub(crate) struct Matrix<'a> {
     pairs: Vec<(&'a str, &'a str, bool)>,
     /// Names of links and objects that may touch anything.
     free: Vec<&'a str>,
+    /// Names of links and objects that may touch nothing but what an entry names.
+    strict: Vec<&'a str>,
 }
 
 impl<'a> Matrix<'a> {
@@ -36,17 +38,33 @@ impl<'a> Matrix<'a> {
         if !(is_square && has_defaults && is_symmetric) {
             return Err(MoveItError::Matrix { at, names: names.len() }.into());
         }
-        let defaults = entry.default_entry_names.iter().zip(&entry.default_entry_values);
-        Ok(Self { pairs, free: defaults.filter(|(_, may)| **may).map(|(name, _)| name.as_str()).collect() })
+        let named = |wanted: bool| {
+            let defaults = entry.default_entry_names.iter().zip(&entry.default_entry_values);
+            defaults.filter(move |(_, may)| **may == wanted).map(|(name, _)| name.as_str()).collect()
+        };
+        Ok(Self { pairs, free: named(true), strict: named(false) })
     }
 
-    /// Returns the pairs of links that may not touch in the scene but that the robot never checks.
+    /// Returns the pairs of links that may not touch in the scene but that the robot never checks: by an entry, or, without one,
+    /// by a default.
     pub fn forbidden(&self, robot: &Robot) -> Vec<[String; 2]> {
+        let name = |link: usize| robot.links()[link].name.as_str();
+        let is_strict = |name: &str| self.strict.contains(&name);
+        let is_named = |a: &str, b: &str| {
+            self.pairs
+                .iter()
+                .any(|&(first, second, _)| (first, second) == (a, b) || (first, second) == (b, a))
+        };
+        let exempt = robot.disabled_pairs().iter().chain(robot.adjacent_pairs());
+        let by_default = exempt
+            .map(|&(first, second)| (name(first), name(second)))
+            .filter(|(first, second)| (is_strict(first) || is_strict(second)) && !is_named(first, second));
         let forbidden = self.pairs.iter().filter(|(first, second, may)| {
             let links = (robot.link_index(first), robot.link_index(second));
             matches!(links, (Some(first), Some(second)) if !may && is_exempt(robot, first, second))
         });
-        forbidden.map(|(first, second, _)| [(*first).to_owned(), (*second).to_owned()]).collect()
+        let by_entry = forbidden.map(|&(first, second, _)| (first, second));
+        by_entry.chain(by_default).map(|(first, second)| [first.to_owned(), second.to_owned()]).collect()
     }
 
     /// Returns the pairs and names that may touch in the scene but are checked; a link comes first in a pair.

@@ -50,7 +50,7 @@ pub(crate) fn octomap_body(
     };
     let world_from_solid = root_from_header * file.optional_pose(origin.as_ref())?;
     let parts = vec![Part { world_from_solid, solid: Solid::union(union) }];
-    Ok(Some(Body { name: NAME.to_owned(), parts, tilt_rad: None }))
+    Ok(Some(Body { name: NAME.to_owned(), parts, tilt_rad: None, center_of_mass: None }))
 }
 
 /// Returns a byte of a message, signed or unsigned.

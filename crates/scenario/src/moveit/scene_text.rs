@@ -132,7 +132,7 @@ impl<'a> Reader<'a> {
         if parts.is_empty() {
             return Err(MoveItError::NoShape { at, object: name }.into());
         }
-        Ok(Body { name, parts, tilt_rad: None })
+        Ok(Body { name, parts, tilt_rad: None, center_of_mass: None })
     }
 
     fn shape(&mut self, object: &str) -> Result<Solid, ScenarioError> {

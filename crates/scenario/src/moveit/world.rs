@@ -38,7 +38,7 @@ pub(crate) fn bodies(
     if let Some(octomap) = &world.octomap {
         bodies.extend(octomap_body(file, &frames, octomap)?);
     }
-    for Body { name, parts, tilt_rad } in &world.text_bodies {
+    for Body { name, parts, tilt_rad, center_of_mass } in &world.text_bodies {
         let placed = |part: &Part| Part {
             world_from_solid: frames.planning() * part.world_from_solid,
             solid: part.solid.clone(),
@@ -47,6 +47,7 @@ pub(crate) fn bodies(
             name: name.clone(),
             parts: parts.iter().map(placed).collect(),
             tilt_rad: *tilt_rad,
+            center_of_mass: *center_of_mass,
         });
     }
     Ok(bodies)
@@ -111,7 +112,7 @@ impl MessageFile {
         if parts.is_empty() {
             return Err(MoveItError::NoShape { at: self.at(location), object: name.clone() }.into());
         }
-        Ok(Body { name: name.clone(), parts, tilt_rad: None })
+        Ok(Body { name: name.clone(), parts, tilt_rad: None, center_of_mass: None })
     }
 
     fn primitive(&self, object: &str, entry: &Spanned<PrimitiveEntry>) -> Result<Solid, ScenarioError> {

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use cranny_robot::Location;
 use cranny_shape::{ConvexParts, ShapeError, Solid, StablePose, TriangleSoup, VolumeError, stable_poses};
 use cranny_spatial::nalgebra::{Matrix3, Quaternion};
 use cranny_spatial::{Point, Pose, Rotation, Vector};
@@ -104,7 +105,11 @@ impl ObjectType {
         let file: ObjectFile = yaml::read(&path)?;
         let load = |name: &PathBuf| TriangleSoup::load(&folder.join(name), Vector::repeat(1.0));
         let in_mesh = |fault: ShapeError| ScenarioError::from(fault.in_file(&folder.join(&file.mesh)));
-        check_numbers(file.mass_kg, file.friction)?;
+        let in_file = |fault| {
+            let at = Location { file: path.display().to_string(), line: 0 };
+            ScenarioError::At { at, fault: Box::new(fault) }
+        };
+        check_numbers(file.mass_kg, file.friction).map_err(|fault| in_file(fault.into()))?;
         let mesh = load(&file.mesh)?;
         Solid::mesh(&mesh).map_err(in_mesh)?;
         let parts = file.convex_parts.iter().map(load).collect::<Result<_, _>>()?;

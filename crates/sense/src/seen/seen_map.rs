@@ -212,7 +212,7 @@ impl SeenMap {
         let mut bodies = Vec::new();
         let mut add = |name: &str, parts: Vec<Part>| {
             if !parts.is_empty() {
-                bodies.push(Body { name: name.to_owned(), parts, tilt_rad: None });
+                bodies.push(Body { name: name.to_owned(), parts, tilt_rad: None, center_of_mass: None });
             }
         };
         add(Self::OCCUPIED, union(&self.occupied)?.into_iter().collect());

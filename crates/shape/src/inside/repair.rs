@@ -60,9 +60,25 @@ impl RepairedMesh {
         let mut index = 0..;
         repaired.triangles.retain(|_| index.next().is_none_or(|index| !inner.contains(&index)));
         let dropped_triangles = soup.triangles.len() - repaired.triangles.len();
-        let soup = repaired;
+        let soup = if dropped_triangles > 0 { without_unused_vertices(&repaired) } else { repaired };
         Ok(Self { soup, merged_vertices, dropped_triangles, flipped_triangles, shallow_crossings })
     }
+}
+
+/// Returns the triangles with the vertices that they use, in their order.
+fn without_unused_vertices(soup: &TriangleSoup) -> TriangleSoup {
+    let mut index = vec![None; soup.vertices.len()];
+    for vertex in soup.triangles.iter().flatten() {
+        index[*vertex as usize] = Some(0);
+    }
+    let mut count = 0_u32;
+    for new in index.iter_mut().flatten() {
+        *new = count;
+        count += 1;
+    }
+    let used = soup.vertices.iter().zip(&index).filter_map(|(vertex, new)| new.map(|_| *vertex));
+    let renamed = soup.triangles.iter().map(|triangle| triangle.map(|v| index[v as usize].unwrap_or(0)));
+    TriangleSoup { vertices: used.collect(), triangles: renamed.collect() }
 }
 
 /// Turns the triangles outwards; returns the number of turned ones, and those inside a solid region.

@@ -82,7 +82,8 @@ impl BoxUnion {
         };
         let around = BoxChunk::of(std::iter::once(around)).get(0);
         let all = boxes.iter().map(|own| BoxChunk::of(std::iter::once(*own)).get(0));
-        let free = FreeGrid::new(&around, boxes.len(), all);
+        let are_points = boxes.iter().all(|[_, half_extents]| half_extents.iter().all(|half| *half <= 0.0));
+        let free = FreeGrid::new(&around, (boxes.len(), are_points), all);
         Ok(Self { levels, free, count: boxes.len(), radius_m, around })
     }
 
@@ -115,7 +116,10 @@ impl BoxUnion {
     /// off by no more than the comparison of a single box would be.
     #[inline(always)]
     pub fn is_closer<S: Simd>(&self, simd: S, point: [f32; 3], reach_m: f32) -> bool {
-        self.any_closer(simd, point, reach_m, |_, _| true)
+        match self.free.is_closer(point, self.whole_reach(reach_m)) {
+            Some(is_closer) => is_closer,
+            None => self.any_closer(simd, point, reach_m, |_, _| true),
+        }
     }
 
     /// Calls `visit` with the indices of boxes closer to a point, as [`Self::is_closer`], until it returns false. Returns false then.
@@ -127,17 +131,26 @@ impl BoxUnion {
         reach_m: f32,
         mut visit: impl FnMut(u32) -> bool,
     ) -> bool {
-        !self.any_closer(simd, point, reach_m, |chunk, mut near| {
-            while near != 0 {
-                #[allow(clippy::cast_possible_truncation, reason = "a tree has at most 16⁸ boxes")]
-                let index = (chunk * LANES) as u32 + near.trailing_zeros();
-                near &= near - 1;
-                if !visit(index) {
-                    return true;
+        let is_free = self.free.is_closer(point, self.whole_reach(reach_m)) == Some(false);
+        is_free
+            || !self.any_closer(simd, point, reach_m, |chunk, mut near| {
+                while near != 0 {
+                    #[allow(clippy::cast_possible_truncation, reason = "a tree has at most 16⁸ boxes")]
+                    let index = (chunk * LANES) as u32 + near.trailing_zeros();
+                    near &= near - 1;
+                    if !visit(index) {
+                        return true;
+                    }
                 }
-            }
-            false
-        })
+                false
+            })
+    }
+
+    /// Returns a reach with the rounding of the boxes added, at least 0, in metres.
+    #[inline(always)]
+    #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
+    fn whole_reach(&self, reach_m: f32) -> f32 {
+        (reach_m + self.radius_m as f32).max(0.0)
     }
 
     /// Returns centre and half extents of a box without its rounding, in single precision (m).
@@ -156,11 +169,7 @@ impl BoxUnion {
         reach_m: f32,
         mut visit: impl FnMut(usize, u32) -> bool,
     ) -> bool {
-        #[allow(clippy::cast_possible_truncation, reason = "single precision is what is meant")]
-        let reach = (reach_m + self.radius_m as f32).max(0.0);
-        if self.free.at(point) >= reach * reach {
-            return false;
-        }
+        let reach = self.whole_reach(reach_m);
         let (point, bound) = (LaneVector::splat(simd, point), f32x16::splat(simd, reach * reach));
         let top = self.levels.len() - 1;
         let mut open = [0_u32; MOST_LEVELS];

@@ -45,7 +45,7 @@ impl LaterStageChecks {
             let Ok(carrier) = Carrier::new(&picking, LiftOffSettings::default()) else { break };
             let placer = match picks.clone().next() {
                 Some((_, Stage::Place(place))) => {
-                    let placer = Placer::new(&carrier, problem.place(&place.place)?, place.clear_m)?;
+                    let placer = Placer::new(problem, &carrier, place)?;
                     Some(placer.with_aligned_draws(seed, DRAWS))
                 }
                 _ => None,

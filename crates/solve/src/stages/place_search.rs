@@ -62,7 +62,7 @@ impl PlaceSearch {
         ahead: &LaterStageChecks,
         effort: &Effort,
     ) -> Result<Self, PlanError> {
-        let placer = Placer::new(carrier, problem.place(&place.place)?, place.clear_m)?;
+        let placer = Placer::new(problem, carrier, place)?;
         let placer = if ahead.is_needed_after(stage) {
             let placer = placer.with_aligned_draws(effort.seed, MOST_DRAWS_AHEAD);
             let mut looks = MOST_LOOKS;

@@ -5,10 +5,11 @@ use cranny_collision::{CONTACT_ALLOWANCE_M, Collider, Extent, Part, Resting};
 use cranny_spatial::nalgebra::{Quaternion, UnitQuaternion};
 use cranny_spatial::{EXACT_ROTATION_RAD, Point, Pose, PoseDifference, Rotation, Stream, Vector, sin_cos};
 
+use crate::placing::place_goal::{is_lying, rolling_axis};
 use crate::placing::placed::MOST_RETREAT_M;
 use crate::placing::placement::Placement;
 use crate::placing::rests::{rests, stable_rests};
-use crate::{Carrier, FailureReason, Grip, PlaceGoal, PlaceRegion, TaskError};
+use crate::{Carrier, FailureReason, Grip, PlaceAt, PlaceGoal, PlaceRegion, Problem, TaskError};
 
 /// Height above its support at which an object is released, in metres: below 0.1 mm, and far more than the errors of inverse
 /// kinematics.
@@ -85,11 +86,13 @@ struct Draw {
 }
 
 impl Placer {
-    /// Creates the placer of a carrier's object, without draws.
+    /// Creates the placer of a carrier's object in a stage of a problem, without draws.
     ///
     /// # Errors
-    /// [`TaskError::Place`] for an invalid goal, [`TaskError::Collision`] for an object without bounds.
-    pub fn new(carrier: &Carrier, goal: &PlaceGoal, clear_m: f64) -> Result<Self, TaskError> {
+    /// [`TaskError::UnknownPlace`]; [`TaskError::Place`] for an invalid goal, or one at which a round object without resistance to
+    /// rolling can only lie; [`TaskError::Collision`] for an object without bounds.
+    pub fn new(problem: &Problem, carrier: &Carrier, place: &PlaceAt) -> Result<Self, TaskError> {
+        let (goal, clear_m) = (problem.place(&place.place)?, place.clear_m);
         let target = carrier.hand().target();
         let body = &carrier.hand().holding().world().bodies()[target];
         let extent = carrier.resting().extent().clone();
@@ -98,7 +101,18 @@ impl Placer {
             PlaceRegion::Target(_) => {
                 stable_rests(body, &extent, &level_from_world, [0.0; 2]).unwrap_or_default()
             }
-            PlaceRegion::Surface { .. } => rests(body, &extent, &level_from_world),
+            PlaceRegion::Surface { .. } => {
+                let all = rests(body, &extent, &level_from_world);
+                let rolling_m = problem.weights.of_body(target).rolling_m;
+                let steady: Vec<Rotation> = match rolling_axis(body, rolling_m) {
+                    Some(axis) => all.into_iter().filter(|rest| !is_lying(&(rest * axis))).collect(),
+                    None => all,
+                };
+                if steady.is_empty() {
+                    return Err(TaskError::Place { problem: goal.rolls_away_text(&body.name) });
+                }
+                steady
+            }
         };
         let placer = Self {
             carrier: carrier.clone(),

@@ -1,6 +1,6 @@
-use cranny_collision::World;
+use cranny_collision::{Body, World};
 use cranny_shape::Roundness;
-use cranny_spatial::Pose;
+use cranny_spatial::{Pose, Vector};
 
 use crate::grasping::load_model::soup_in_world;
 
@@ -32,6 +32,25 @@ pub enum PlaceRegion {
 /// Sine of the greatest angle between the horizontal and the axis of a lying round body: 5°.
 const LYING: f64 = 0.0872;
 
+/// Returns the axis of a round body without resistance to rolling (m), in the frame of its first solid; `None` for any other body,
+/// and for a ball.
+pub(crate) fn rolling_axis(body: &Body, rolling_m: Option<f64>) -> Option<Vector> {
+    if rolling_m.is_some_and(|rolling_m| rolling_m > 0.0) {
+        return None;
+    }
+    match Roundness::of_mesh(&soup_in_world(body)?).ok()? {
+        Roundness::About(axis) => {
+            Some(body.parts.first()?.world_from_solid.rotation.inverse() * axis.into_inner())
+        }
+        _ => None,
+    }
+}
+
+/// Returns true if an axis, in a frame with z upwards, is level.
+pub(crate) fn is_lying(axis: &Vector) -> bool {
+    axis.z.abs() < LYING
+}
+
 impl PlaceGoal {
     /// Returns the reason, in words, why a body of a world, with this resistance to rolling (m), rolls away from this goal: it
     /// is a ball, or lies on its round side, and no resistance is stated.
@@ -49,13 +68,16 @@ impl PlaceGoal {
             }
             _ => false,
         };
-        rolls.then(|| {
-            format!(
-                "{} rolls away from '{}': no resistance to rolling is stated for it (`rolling_m` beside its `mass_kg`, in metres; \
-                 0.0003 for a hard ball)",
-                body.name, self.name
-            )
-        })
+        rolls.then(|| self.rolls_away_text(&body.name))
+    }
+
+    /// Returns the reason, in words, why the body of this name rolls away from this goal.
+    pub(crate) fn rolls_away_text(&self, body: &str) -> String {
+        format!(
+            "{body} rolls away from '{}': no resistance to rolling is stated for it (`rolling_m` beside its `mass_kg`, in metres; \
+             0.0003 for a hard ball)",
+            self.name
+        )
     }
 
     /// Returns this goal in a new frame; `new_from_old` is the pose of the present frame in it.
