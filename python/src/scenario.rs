@@ -405,9 +405,8 @@ impl PyScenario {
         let mut scenario = (**own).clone();
         scenario.sources.retain(|name, _| is_kept(name));
         scenario.physics.retain(|name, _| is_kept(name));
-        if place.is_some_and(|place| place < read.bodies().len()) {
-            scenario.given_physics = TargetPhysics::default();
-        }
+        let is_own = place.is_some_and(|place| place >= read.bodies().len());
+        scenario.given_physics = if is_own { scenario.given_physics } else { TargetPhysics::default() };
         let world = scenario.world.with_bodies(bodies).map_err(fault)?;
         let scenario = Scenario { world, target: place, export: None, ..scenario };
         let caller = slf.getattr("with_moveit_scene")?;
