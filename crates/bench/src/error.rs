@@ -167,7 +167,7 @@ pub enum BenchError {
     },
     /// Two results files contain the same trial with different results.
     #[error(
-        "{path}: {count} trials have another result in {into}, the first of them {first}; --keep-first keeps \
+        "{path}: {count} trials have another result in the files before it (to be merged into {into}), the first of them {first}; --keep-first keeps \
          the result of the file that is given first"
     )]
     Overlap {
