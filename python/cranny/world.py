@@ -209,7 +209,7 @@ class World:
             q=state.known.start if is_own else None,
             own_margin_m=own_margin_m,
             known=[target] if target is not None and target_margin_m is not None else None,
-            known_margin_m=target_margin_m or 0.0,
+            known_margin_m=target_margin_m,
             voxel_m=voxel_m,
         )
         if counts["kept"] == 0:

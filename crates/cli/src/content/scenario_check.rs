@@ -99,9 +99,10 @@ fn restless_target(scenario: &Scenario, rest: &Rest) -> Option<String> {
     let turn = rest.world_from_object.rotation.coords;
     /// Turn above which an object may have rolled, in radians.
     const ROLLED_RAD: f64 = 0.02;
-    let rolls = match rest.turned_rad > ROLLED_RAD {
-        true => " (for an object that rolls, set `rolling_m` beside its mass)",
-        false => "",
+    let rolls = if rest.turned_rad > ROLLED_RAD {
+        " (for an object that rolls, set `rolling_m` beside its mass)"
+    } else {
+        ""
     };
     Some(format!(
         "{name} does not rest at its pose: in 2 s it moves by {} and turns by {}, to position \

@@ -3,6 +3,7 @@ use cranny_spatial::{Pose, Vector};
 
 use crate::description::xml::Element;
 use crate::mjcf::body_reader::BodyReader;
+use crate::mjcf::compiler::Masses;
 use crate::mjcf::defaults::Attributes;
 use crate::mjcf::geoms::Geom;
 use crate::model_file::body_tree::{JointRule, Plane, TreeBody, TreeJoint};
@@ -80,7 +81,8 @@ impl<'d> BodyReader<'d, '_> {
                 "geom" => self.add_geom(element, inside)?,
                 "inertial" => {
                     let stated = self.inertial(element)?;
-                    self.bodies[inside.body].inertial = stated.filter(|_| self.compiler.keeps_masses);
+                    self.bodies[inside.body].inertial =
+                        stated.filter(|_| self.compiler.masses == Masses::Stated);
                 }
                 "site" | "camera" | "light" => self.unread.add(owner, element),
                 tag => {

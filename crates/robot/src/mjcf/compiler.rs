@@ -52,6 +52,15 @@ const MASSES: [(&str, &[&str]); 5] = [
 /// Names of the attributes that give an orientation; at most one of them is given.
 const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
 
+/// Masses and inertias of a model.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Masses {
+    /// Those of `<inertial>`.
+    Stated,
+    /// Those that the compiler computes, which are not known.
+    Computed,
+}
+
 /// Settings of the model compiler (XML reference, compiler). They apply to the whole model; the last value of the files counts.
 pub(crate) struct Compiler {
     is_degree: bool,
@@ -60,8 +69,7 @@ pub(crate) struct Compiler {
     pub(crate) finds_limits: bool,
     pub(crate) mesh_folder: String,
     pub(crate) strips_paths: bool,
-    /// True unless the compiler changes stated masses or inertias.
-    pub(crate) keeps_masses: bool,
+    pub(crate) masses: Masses,
 }
 
 impl Compiler {
@@ -72,7 +80,7 @@ impl Compiler {
             finds_limits: true,
             mesh_folder: String::new(),
             strips_paths: false,
-            keeps_masses: true,
+            masses: Masses::Stated,
         };
         let (mut assets, mut meshes) = (None, None);
         for element in documents.sections("compiler") {
@@ -93,7 +101,7 @@ impl Compiler {
             for (attribute, harmless) in MASSES {
                 let value = element.optional_text(attribute).map(str::trim);
                 if let Some(value) = value.filter(|value| !harmless.contains(value)) {
-                    compiler.keeps_masses = false;
+                    compiler.masses = Masses::Computed;
                     let at = element.at();
                     unread.note(format!(
                         "{at}: {attribute}=\"{value}\" is not applied: all links count as without mass"

@@ -71,10 +71,8 @@ fn without_unused_vertices(soup: &TriangleSoup) -> TriangleSoup {
     for vertex in soup.triangles.iter().flatten() {
         index[*vertex as usize] = Some(0);
     }
-    let mut count = 0_u32;
-    for new in index.iter_mut().flatten() {
+    for (new, count) in index.iter_mut().flatten().zip(0_u32..) {
         *new = count;
-        count += 1;
     }
     let used = soup.vertices.iter().zip(&index).filter_map(|(vertex, new)| new.map(|_| *vertex));
     let renamed = soup.triangles.iter().map(|triangle| triangle.map(|v| index[v as usize].unwrap_or(0)));
