@@ -19,7 +19,7 @@ pub struct Blockage {
     /// Cells, in the order in which the candidate meets them; none if the candidate lies in free space, and the search alone did not
     /// find it.
     pub cells: Vec<MetCell>,
-    /// First contact of the candidate with the seen space, to within [`PLACE`] of an edge; `None` if it touches nothing.
+    /// First contact of the candidate with the seen space, to within 10⁻⁴ of an edge; `None` if it touches nothing.
     pub first: Option<FirstMeeting>,
 }
 
