@@ -128,33 +128,50 @@ pub fn find_blockage(
     earlier: Option<&Candidate>,
     observer: &mut dyn Observer,
 ) -> Result<Option<Blockage>, ExploreError> {
+    let Some((candidate, cells)) = blocked_candidate(seen, margins, request, earlier, observer)? else {
+        return Ok(None);
+    };
+    let first = first_meeting(&seen.problem(margins)?, candidate.waypoints())?;
+    Ok(Some(Blockage { candidate, cells, first }))
+}
+
+/// Returns the best candidate with the cells that block it.
+fn blocked_candidate(
+    seen: &Scenario,
+    margins: Margins,
+    request: &Request,
+    earlier: Option<&Candidate>,
+    observer: &mut dyn Observer,
+) -> Result<Option<(Candidate, Vec<MetCell>)>, ExploreError> {
     let Some(space) = seen.seen.as_ref().filter(|space| space.options.unseen == Unseen::Solid) else {
         return Ok(None);
     };
     let map = &*space.map;
-    let problem = seen.problem(margins)?;
     let optimistic = with_unseen_free(seen)?.problem(margins)?;
     // 1.
     if let Some(Candidate::Path(path)) = earlier
         && is_proven(&optimistic, path)?
     {
-        return Ok(Some(of_path(&problem, path.clone(), map)?));
+        let cells = swept_cells(optimistic.robot(), path, map, false);
+        return Ok(Some((Candidate::Path(path.clone()), cells)));
     }
     // 2.
-    let mut best: Option<Blockage> = None;
+    let mut best: Option<(Vec<Vec<f64>>, Vec<MetCell>)> = None;
+    let volume_of = |cells: &[MetCell]| cells.iter().map(volume_m3).sum::<f64>();
     for round in 0..SEARCHES {
         let request = Request { seed: cranny_spatial::other_seed(request.seed, round), ..plain(request) };
         let answer = solve(&optimistic, &request, observer)?;
         if !answer.is_solved() {
             break;
         }
-        let found = of_path(&problem, answer.waypoints(), map)?;
-        if best.as_ref().is_none_or(|best| found.volume_m3() < best.volume_m3()) {
-            best = Some(found);
+        let path = answer.waypoints();
+        let cells = swept_cells(optimistic.robot(), &path, map, false);
+        if best.as_ref().is_none_or(|(_, least)| volume_of(&cells) < volume_of(least)) {
+            best = Some((path, cells));
         }
     }
     if best.is_some() || observer.should_stop() {
-        return Ok(best);
+        return Ok(best.map(|(path, cells)| (Candidate::Path(path), cells)));
     }
     // 3.
     let known = with_cells_free(seen)?.problem(margins)?;
@@ -162,8 +179,7 @@ pub fn find_blockage(
     let robot = known.robot();
     let cells = swept_cells(robot, std::slice::from_ref(&q), map, true);
     if !cells.is_empty() {
-        let first = first_meeting(&problem, std::slice::from_ref(&q))?;
-        return Ok(Some(Blockage { candidate: Candidate::Grasp { grasp, q }, cells, first }));
+        return Ok(Some((Candidate::Grasp { grasp, q }, cells)));
     }
     let to_grasp = known.with_goal(Goal::Configurations(vec![q]))?;
     let answer = solve(&to_grasp, &plain(request), observer)?;
@@ -172,8 +188,7 @@ pub fn find_blockage(
     }
     let path = answer.waypoints();
     let cells = swept_cells(robot, &path, map, true);
-    let first = first_meeting(&problem, &path)?;
-    Ok(Some(Blockage { candidate: Candidate::BlockedPath(path), cells, first }))
+    Ok(Some((Candidate::BlockedPath(path), cells)))
 }
 
 /// Returns a request for a path alone.
@@ -186,12 +201,6 @@ fn plain(request: &Request) -> Request {
         hold: None,
         ..Request::default()
     }
-}
-
-fn of_path(problem: &Problem, path: Vec<Vec<f64>>, map: &SeenMap) -> Result<Blockage, ExploreError> {
-    let cells = swept_cells(problem.robot(), &path, map, false);
-    let first = first_meeting(problem, &path)?;
-    Ok(Blockage { candidate: Candidate::Path(path), cells, first })
 }
 
 /// Returns the first place of a path (m, rad; one value per joint) at which a link touches anything, among 1000 on each edge,
@@ -209,9 +218,8 @@ fn first_meeting(problem: &Problem, path: &[Vec<f64>]) -> Result<Option<FirstMee
     }
     for (edge, ends) in path.windows(2).enumerate() {
         let at = |at: f64| between(&ends[0], &ends[1], at).collect::<Vec<f64>>();
-        let samples = (0..=SAMPLES).map(|sample| sample as f64 / SAMPLES as f64);
-        let Some((met, mut link)) = samples.into_iter().find_map(|place| Some((place, link_at(&at(place))?)))
-        else {
+        let mut samples = (0..=SAMPLES).map(|sample| sample as f64 / SAMPLES as f64);
+        let Some((met, mut link)) = samples.find_map(|place| Some((place, link_at(&at(place))?))) else {
             continue;
         };
         let (mut free, mut met) = ((met - 1.0 / SAMPLES as f64).max(0.0), met);

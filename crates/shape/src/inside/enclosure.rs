@@ -251,7 +251,7 @@ impl<'a> Nest<'a> {
     }
 
     /// Shells around a shell that passes through none of them, in ascending order; shells that only touch it from outside are none.
-    /// Of two shells with a common inner point, the one with the greater volume is around the other.
+    /// If two shells have a common inner point, the one with the greater volume is around the other.
     ///
     /// # Errors
     /// [`ShapeError::NestedBodies`], [`ShapeError::ManyBodies`].

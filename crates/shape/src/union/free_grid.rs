@@ -67,7 +67,7 @@ impl FreeGrid {
             spread(&free, &mut next, size[axis], strides[axis], cell_m as f32);
             std::mem::swap(&mut free, &mut next);
         }
-        // Beyond the window lies what is at least so far away.
+        // Boxes outside the window are at least this distant.
         let found_m2 = ((WINDOW as f64 * cell_m).powi(2) * (1.0 - 1e-6)) as f32;
         for free in &mut free {
             *free = free.min(found_m2);
