@@ -59,13 +59,13 @@ def main(cranny, checker, seeds, *flags):
                 if not is_certified:
                     print(f"{scenario} {seed}: {checked.stdout}{checked.stderr}", file=sys.stderr)
                 text = certificate.read_text()
-                marks = [mark for line in text.split("\n") if line.startswith("p ") for mark in line.split()[3:]]
+                marks = [mark for line in text.split("\n") if line.startswith("p ") for mark in line.split()[1:]]
                 planes.append(sum(mark not in ("h", "a", "b") for mark in marks))
                 kilobytes.append(len(text) / 1000)
                 write_ms.append(1e3 * answer["time_s"])
     print(f"{counts}\n\n| | median | mean | p95 | p99 | max | |\n|---|---|---|---|---|---|---|")
     row("size", kilobytes, "kB")
-    row("planes", planes, "")
+    row("planes written", planes, "")
     row("time to write", write_ms, "ms")
     row("time of the processor to check, with the start of the program", check_ms, "ms")
 

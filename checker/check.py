@@ -14,7 +14,7 @@ from math import isqrt
 S = 96  # (1) Ends of intervals are whole multiples of 2^-96.
 ONE = 1 << S
 HALF, ZERO, UNIT = (ONE // 2, ONE // 2), (0, 0), (ONE, ONE)
-LARGEST, MOST_HALVINGS, MOST_POINTS, MOST_WORK = 10**6, 96, 100, 1_000_000_000
+LARGEST, MOST_HALVINGS, MOST_POINTS, MOST_WORK, MOST_BYTES = 10**6, 96, 100, 1_000_000_000, 64 << 20
 SIZES = {"box": 3, "ball": 1, "capsule": 2, "cylinder": 2, "half": 0, "hull": 1, "mesh": 0}
 
 WORD, WHOLE = re.compile("[!-~]+"), re.compile("0|[1-9][0-9]{0,8}")
@@ -152,7 +152,8 @@ def sin_cos(x):
     spend(400)
     k = round(Fraction(x[0] + x[1], 2 * QUARTER[0]))
     r = (x[0] - max(k * QUARTER[0], k * QUARTER[1]), x[1] - min(k * QUARTER[0], k * QUARTER[1]))
-    unless(mag(r)[1] < ONE, "an angle that is too wide")
+    if mag(r)[1] >= ONE:
+        return (-ONE, ONE), (-ONE, ONE)
     values = []
     for first in (1, 0):
         term, value, n = (r if first else UNIT), ZERO, first
@@ -264,6 +265,20 @@ class Solid:
         return base + (mul(length(m), h[0])[1] if self.kind == "hull" else 0)
 
 
+    def contains(self, point):
+        """(14) Returns true if a point, in the frame of the object, is in the solid; always false for hulls and meshes."""
+        spend(100)
+        x, y, z = times(self.inverse, plus(point, minus(self.pose[1])))
+        if self.kind == "half":
+            return z[1] <= 0
+        if self.kind == "box":
+            return all(mag(a)[1] <= h[0] for a, h in zip((x, y, z), self.sizes))
+        across, beyond = length([x, y]), mag(z)[1] - (self.sizes[0][0] if len(self.sizes) == 2 else 0)
+        if self.kind == "cylinder" or beyond <= 0:
+            return self.kind not in ("hull", "mesh") and beyond <= 0 and across[1] <= self.sizes[-1][0]
+        return self.kind in ("ball", "capsule") and length([across, (beyond,) * 2])[1] <= self.sizes[-1][0]
+
+
 class Object:
     """A link or a body."""
 
@@ -307,12 +322,28 @@ class Lines:
         # What follows the last line feed is no line; `check` refuses a second empty one.
         self.lines[-1:] = ["", ""] if self.lines[-1] else [""]
 
+    def repeat(self):
+        """Puts the lines that a line `= FROM COUNT` repeats in its place, with its number; another such line among them is of no
+        known kind."""
+        lines, self.numbers, size = [], [], 0
+        for self.number, line in enumerate(self.lines, 1):
+            again = [line]
+            if line.startswith("= "):
+                begin, count, *more = [index(word, self.number) for word in line.split(" ")[1:]] + [0] * 2
+                unless(len(more) == 2 and begin > 0 < count <= self.number - begin, "lines to repeat that are not all before")
+                again = self.lines[begin - 1 : begin - 1 + count]
+            size += sum(len(known) + 1 for known in again)
+            unless(size <= MOST_BYTES, "more text than a certificate may have, with repeated lines")
+            lines += again
+            self.numbers += [self.number] * len(again)
+        self.lines = lines
+
     def kind(self):
         return self.lines[self.at].split(" ")[0]
 
     def read(self, kind, count=None):
         """Returns the words after this first word, of which there must be so many."""
-        self.number = self.at + 1
+        self.number = self.numbers[self.at]
         first, *words = self.lines[self.at].split(" ")
         unless(first == kind != "", f"a line `{kind}` is missing here, or this one is of no known kind")
         is_usual = all(map(WORD.fullmatch, words)) and count in (None, len(words))
@@ -620,19 +651,99 @@ def check_path(lines, scene):
         unless(all(abs(a - b) <= tolerance for a, b in zip(points[0], from_)), "the piece does not begin where the path is")
         piece = Piece(scene, points, outside)
         for pair in scene.pairs:
-            words = lines.read("p")
-            unless(words[:2] == [str(pair[0]), str(pair[1])], "the proof of another pair is missing")
-            piece.prove(pair, words[2:])
-        for i, bound in enumerate(scene.bounds):
-            words = lines.read("b")
-            unless(words[:1] == [str(i)], "the proof of another bound is missing")
-            piece.prove_bound(bound, words[1:])
+            try:
+                piece.prove(pair, lines.read("p"))
+            except Refused as fault:
+                raise Refused(f"{scene.objects[pair[0]].name}, {scene.objects[pair[1]].name}: {fault}") from fault
+        for bound in scene.bounds:
+            piece.prove_bound(bound, lines.read("b"))
         end, pieces = points[-1], pieces + 1
     check_end(scene, end)
     solids = lambda i: len(scene.objects[i].solids)
     complete = len(outside) == sum(solids(a) * solids(b) for a, b, *_ in scene.pairs)  # (9)
     unless(complete, "no plane shows that two objects are not inside each other")
     return pieces, end
+
+
+def place(scene, values, of):
+    """Encloses the pose of an object in the world wherever the joints are in a box."""
+    at = IDENTITY
+    for i in scene.chain(None, of):
+        at = after(at, Moment.local(scene.objects[i], values))
+    return at
+
+
+def open_boxes(scene, marks):
+    """(14) Walks through a tree of boxes in prefix order, and returns those that are left open."""
+    stack, marks, found = [([(exact(a)[0], exact(b)[1]) for _, a, b in scene.joints], 0)], iter(marks), []
+    count, demanded = len(scene.objects), {pair[:2] for pair in scene.pairs if pair[3] >= 0}
+    while stack:
+        (values, depth), mark = stack.pop(), next(marks, None)
+        unless(mark is not None and depth <= MOST_HALVINGS, "a mark is missing, or too many halvings")
+        spend(20 + 2 * len(values))
+        if mark.startswith("s"):
+            j = index(mark[1:], len(values))
+            low, high = values[j]
+            middle = (low + high) // 2
+            for half in ((middle, high), (low, middle)):
+                stack.append(([*values[:j], half, *values[j + 1 :]], depth + 1))
+        elif mark == ".":
+            found.append(values)
+        else:
+            words = mark.split(",")
+            unless(len(words) == 7, "a mark that is none")
+            (a, b), point = [index(word, count) for word in words[:4:2]], [exact(x) for x in numbers(words[4:], 3)]
+            unless((min(a, b), max(a, b)) in demanded, "a pair that may touch")
+            solids = [scene.objects[of].solids for of in (a, b)]
+            of_a, of_b = [known[index(word, len(known))] for known, word in zip(solids, words[1:4:2])]
+            (turn, at), (other, origin) = place(scene, values, a), place(scene, values, b)
+            in_b = times(transposed(other), plus(plus(times(turn, point), at), minus(origin)))
+            unless(of_a.contains(point) and of_b.contains(in_b), "two objects that are not shown to touch")
+    unless(next(marks, None) is None, "more marks than the tree has nodes")
+    return found
+
+
+def reach_below(scene, link, words):
+    """(14) Bounds the distance of the tip from the origin of a link above it, and adds the tolerance of goals."""
+    chain = scene.chain(None, scene.tip)
+    unless(link in chain, "the tip is not moved by this link")
+    links = [scene.objects[i] for i in chain[chain.index(link) + 1 :]]
+    points = iter(numbers(words, sum(bool(known.motion and known.motion[0]) for known in links)))
+    most, at = exact(Fraction(1, 1000))[1], [ZERO] * 3
+    for known in links:
+        if not known.motion:
+            at = times(transposed(known.pose[0]), plus(at, minus(known.pose[1])))
+            continue
+        turns, joint, factor, offset, axis = known.motion
+        following = scaled(axis, exact(next(points))) if turns else [ZERO] * 3
+        if not turns:
+            most += max(mag(add(mul(factor, exact(x)), offset))[1] for x in scene.joints[joint][1:])
+        most += length(plus(plus(times(known.pose[0], following), known.pose[1]), minus(at)))[1]
+        at = following
+    return most + length(at)[1]
+
+
+def check_enclosure(lines, scene):
+    """(14) Checks that no motion leads from the start to a goal: returns the numbers of boxes, and of those left to the start."""
+    word, *points = lines.read("none")
+    link = index(word, len(scene.objects))
+    reach = reach_below(scene, link, points)
+    rest = open_boxes(scene, lines.read("boxes"))
+    count, inside = len(rest), []
+    pending = [[add(exact(x), (-exact(Fraction(1e-5))[1], exact(Fraction(1e-5))[1])) for x in scene.start]]
+    while pending:
+        values = pending.pop()
+        spend(len(rest) * len(values) // 2)
+        meets = lambda other: all(a[0] <= b[1] and b[0] <= a[1] for a, b in zip(values, other))
+        pending += filter(meets, rest)
+        rest = [other for other in rest if not meets(other)]
+        inside.append(values)
+    unless(len(inside) > 1, "no box has the start in it")
+    for values in inside[1:]:
+        origin = place(scene, values, link)[1]
+        far = [length(plus(origin, minus(goal)))[0] for _, goal in scene.goals]
+        unless(all(x > reach for x in far), "a goal may be within reach")
+    return count, len(inside) - 1
 
 
 def check_end(scene, end):
@@ -650,17 +761,23 @@ def check_end(scene, end):
 
 def check(lines):
     """Checks a certificate, and returns in lines what it has shown of each scene."""
+    lines.repeat()
     lines.read("cranny-certificate/1", 0)
     found, before, end = [], None, None
     while not before or lines.kind() == "scene":
         scene = Scene(lines)
+        found.append(f"scene {scene.name} {scene.hash}")
+        if not before and lines.kind() == "none":
+            count, inside = check_enclosure(lines, scene)
+            found += [f"no motion leads to a goal: {inside} of {count} boxes are left to the start", *scene.rules]
+            break
         changes = scene.changes_since(before) if before else []
         unless(not before or scene.start == end, "the scene does not start where the path before it ends")
         paths = pieces = 0
         while not paths or lines.kind() == "path":
             count, end = check_path(lines, scene)
             paths, pieces = paths + 1, pieces + count
-        found += [f"scene {scene.name} {scene.hash}", f"paths {paths}, of {pieces} pieces"]
+        found.append(f"paths {paths}, of {pieces} pieces")
         found += [f"pairs {len(scene.pairs)}, at least {scene.margin_word[0]} m apart but for `keep`", *scene.rules, *changes]
         before = scene
     lines.read("end", 0)
@@ -674,7 +791,7 @@ def main(file):
         return 0, USAGE
     try:
         with open(file, "rb") as certificate:
-            lines = Lines(certificate.read(64 << 20).decode())  # A longer file lacks its end.
+            lines = Lines(certificate.read(MOST_BYTES).decode())  # A longer file lacks its end.
         return 0, "\n  ".join(["certified", *check(lines)])
     except Refused as fault:
         return 1, f"not certified: {file}:{lines.number}: {fault}"

@@ -1,5 +1,6 @@
 //! Check of a certificate: its scenes, each with its paths.
 
+use super::enclosure::enclosure;
 use super::interval::{Interval, ZERO, dot, minus, point, sum};
 use super::lines::{Checked, Lines, unless};
 use super::proof::{Ledger, Piece};
@@ -7,8 +8,8 @@ use super::scene::{Pair, Pose, Scene};
 
 /// Tolerances: start of a path in each joint, position of the tip at its end, and trace of a rotation by one degree,
 /// 1 + 2 cos 1°, rounded up.
-const START_TOLERANCE: f64 = 1e-5;
-const GOAL_TOLERANCE_M: f64 = 1e-3;
+pub const START_TOLERANCE: f64 = 1e-5;
+pub const GOAL_TOLERANCE_M: f64 = 1e-3;
 const GOAL_TRACE: f64 = 2.999695390312783;
 
 /// Maximum number of control points of a piece.
@@ -20,13 +21,14 @@ const MOST_POINTS: usize = 100;
 /// First line, from 1, that is malformed or does not hold, with the reason.
 pub fn check(text: &str) -> Result<Vec<String>, (usize, String)> {
     let mut lines = Lines::new(text);
-    statement(&mut lines).map_err(|reason| (lines.number, reason))
+    statement(&mut lines).map_err(|reason| (lines.starts.len(), reason))
 }
 
 /// Returns for each scene its name and hash, the numbers of its paths, of their pieces and of the pairs that are compared, then
 /// pairs that are not compared or have a distance of their own, bounds of links, goals, and objects that differ from the
 /// scene before.
 fn statement(lines: &mut Lines<'_>) -> Checked<Vec<String>> {
+    lines.advance()?;
     lines.read("cranny-certificate/1", |_| Ok(()))?;
     let (mut found, mut ledger) = (Vec::new(), Ledger::default());
     let mut before: Option<(Scene<'_>, Vec<f64>)> = None;
@@ -36,12 +38,18 @@ fn statement(lines: &mut Lines<'_>) -> Checked<Vec<String>> {
         ledger.work(scene.objects.len().pow(2).saturating_mul(50 + depth))?;
         scene.pairs = scene.list_pairs();
         let changes = before.as_ref().map_or(Ok(Vec::new()), |before| scene.changes_since(before))?;
+        found.push(format!("scene {} {}", scene.name, scene.hash));
+        if before.is_none() && lines.is("none") {
+            let [open, inside] = enclosure(lines, &scene, &mut ledger)?;
+            found.push(format!("no motion leads to a goal: {inside} of {open} boxes are left to the start"));
+            found.extend(scene.rules);
+            break;
+        }
         let (mut paths, mut pieces, mut end) = (0, 0, Vec::new());
         while paths == 0 || lines.is("path") {
             let (count, last) = path(lines, &scene, &mut ledger)?;
             (paths, pieces, end) = (paths + 1, pieces + count, last);
         }
-        found.push(format!("scene {} {}", scene.name, scene.hash));
         found.push(format!("paths {paths}, of {pieces} pieces"));
         found.push(format!("pairs {}, at least {} m apart but for `keep`", scene.pairs.len(), scene.margin));
         found.extend(scene.rules.iter().cloned().chain(changes));
@@ -56,7 +64,7 @@ fn statement(lines: &mut Lines<'_>) -> Checked<Vec<String>> {
 fn path(lines: &mut Lines<'_>, scene: &Scene<'_>, ledger: &mut Ledger) -> Checked<(usize, Vec<f64>)> {
     lines.read("path", Lines::word)?;
     ledger.outside.clear();
-    let (mut pieces, mut end, objects) = (0, None::<Vec<f64>>, scene.objects.len());
+    let (mut pieces, mut end) = (0, None::<Vec<f64>>);
     while pieces == 0 || lines.is("piece") {
         lines.read("piece", |_| Ok(()))?;
         let mut points: Vec<Vec<f64>> = Vec::new();
@@ -73,17 +81,12 @@ fn path(lines: &mut Lines<'_>, scene: &Scene<'_>, ledger: &mut Ledger) -> Checke
         unless(points[0].iter().zip(from).all(is_there), "the piece does not begin where the path is")?;
         let mut piece = Piece::new(scene, &points, ledger);
         for pair in &scene.pairs {
-            lines.read("p", |line| {
-                let stated = [line.index(objects)?, line.index(objects)?];
-                unless(stated == pair.objects, "the proof of another pair is missing")?;
-                piece.check_pair(pair, line)
-            })?;
+            let [a, b] = pair.objects.map(|index| scene.objects[index].name);
+            let proof = lines.read("p", |line| piece.check_pair(pair, line));
+            proof.map_err(|reason| format!("{a}, {b}: {reason}"))?;
         }
-        for (index, bound) in scene.bounds.iter().enumerate() {
-            lines.read("b", |line| {
-                unless(line.index(scene.bounds.len())? == index, "the proof of another bound is missing")?;
-                piece.check_bound(bound, line)
-            })?;
+        for bound in &scene.bounds {
+            lines.read("b", |line| piece.check_bound(bound, line))?;
         }
         (end, pieces) = (points.pop(), pieces + 1);
     }

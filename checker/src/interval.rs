@@ -27,11 +27,6 @@ impl Interval {
         if lo >= -LARGEST && hi <= LARGEST && lo <= hi { Self { lo, hi } } else { UNKNOWN }
     }
 
-    /// Returns the interval widened by ± x.
-    fn widened(self, x: f64) -> Self {
-        self + Self::of(-x, x)
-    }
-
     pub fn middle(self) -> f64 {
         0.5 * (self.lo + self.hi)
     }
@@ -84,9 +79,10 @@ impl Interval {
         let square = r.square();
         let term = |inner: Self, i: u32| ONE - (square * inner).over(point(f64::from(i * (i - 1))));
         let nested = |first: u32, last: u32| (first..=last).rev().step_by(2).fold(ONE, term);
-        let half_width = (self - point(x)).magnitude().hi;
-        let sine = (r * nested(3, 15)).widened(6e-17).widened(half_width);
-        let cosine = nested(2, 16).widened(3e-18).widened(half_width);
+        let within = |most: f64| Self::of(-most, most);
+        let half_width = within((self - point(x)).magnitude().hi);
+        let sine = r * nested(3, 15) + within(6e-17) + half_width;
+        let cosine = nested(2, 16) + within(3e-18) + half_width;
         let by_quadrant = [[sine, cosine], [cosine, -sine], [-sine, -cosine], [-cosine, sine]];
         by_quadrant[k.rem_euclid(4.0) as usize]
     }

@@ -3,6 +3,7 @@
 
 mod certificate;
 mod digest;
+mod enclosure;
 mod interval;
 #[cfg(test)]
 mod interval_tests;

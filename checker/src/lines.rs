@@ -6,6 +6,9 @@ use super::scene::{Point, Pose, rotation};
 /// Greatest magnitude of a number.
 pub const LARGEST: f64 = 1e6;
 
+/// Greatest size of a certificate, in bytes, with repeated lines in their place.
+const MOST_BYTES: usize = 64 << 20;
+
 /// Result of a check: a value, or the reason why a line fails.
 pub type Checked<T = ()> = Result<T, String>;
 
@@ -19,30 +22,58 @@ pub fn has_size(numbers: &[f64]) -> Checked {
     unless((1e-3..=1e3).contains(&most), "a quaternion or a direction that is too short or too long")
 }
 
-/// Certificate that is read line by line, each word by word.
+/// Certificate that is read line by line, each word by word. A line `= FROM COUNT` stands for lines before it.
 pub struct Lines<'a> {
     text: &'a str,
-    /// First byte of the present line, that after it, and its number from 1.
-    pub begin: usize,
+    /// First byte of each line of the file up to the present one, or that which repeats it; and of the next one.
+    pub starts: Vec<usize>,
     end: usize,
-    pub number: usize,
+    /// Lines of the file, from 0, that are still to be repeated.
+    again: std::ops::Range<usize>,
+    /// Lines that were read, and the present one, each with its end; and their size.
+    read: Vec<&'a str>,
+    size: usize,
     /// Words of the line that are not read yet.
     words: std::str::Split<'a, char>,
 }
 
 impl<'a> Lines<'a> {
+    /// Begins before the first line.
     pub fn new(text: &'a str) -> Self {
-        let mut lines = Self { text, begin: 0, end: 0, number: 0, words: "".split(' ') };
-        lines.advance();
-        lines
+        Self { text, starts: vec![], end: 0, again: 0..0, read: vec![], size: 0, words: "".split(' ') }
     }
 
-    /// Goes to the next line; one without an end, and that after the last one, are empty.
-    fn advance(&mut self) {
-        let line = self.text[self.end..].split_inclusive('\n').next().unwrap_or_default();
-        (self.begin, self.number) = (self.end, self.number + 1);
-        self.end += line.len();
+    /// Goes to the next line; one without an end, and that after the last one, are empty. A repeated line that repeats others
+    /// is of no known kind.
+    pub fn advance(&mut self) -> Checked {
+        if self.again.is_empty() {
+            let (line, number) = (self.line_at(self.end), self.starts.len() + 1);
+            self.again = number - 1..number;
+            self.starts.push(self.end);
+            self.end += line.len();
+            if let Some(words) = line.strip_prefix("= ") {
+                self.words = words.trim_end_matches('\n').split(' ');
+                let (from, count) = (self.index(number)?, self.index(number)?);
+                let is_before = self.words.next().is_none() && from > 0 && from + count <= number;
+                unless(is_before && count > 0, "lines to repeat that are not all before")?;
+                self.again = from - 1..from - 1 + count;
+            }
+        }
+        let line = self.again.next().map_or("", |index| self.line_at(self.starts[index]));
+        self.size += line.len();
+        unless(self.size <= MOST_BYTES, "more text than a certificate may have, with repeated lines")?;
+        self.read.push(line);
         self.words = line.strip_suffix('\n').unwrap_or_default().split(' ');
+        Ok(())
+    }
+
+    fn line_at(&self, start: usize) -> &'a str {
+        self.text[start..].split_inclusive('\n').next().unwrap_or_default()
+    }
+
+    /// Returns the index of the present line among those that were read, from 0.
+    pub fn at(&self) -> usize {
+        self.read.len() - 1
     }
 
     /// Returns true if the present line begins with this word.
@@ -50,13 +81,13 @@ impl<'a> Lines<'a> {
         self.words.clone().next() == Some(kind)
     }
 
-    /// Returns the text from this byte to the present line.
-    pub fn since(&self, begin: usize) -> &'a str {
-        &self.text[begin..self.begin]
+    /// Returns the text from this line that was read up to the present one.
+    pub fn since(&self, begin: usize) -> String {
+        self.read[begin..self.at()].concat()
     }
 
     pub fn is_at_end(&self) -> bool {
-        self.begin == self.text.len()
+        self.read.last() == Some(&"")
     }
 
     /// Reads a line that begins with this word.
@@ -66,8 +97,7 @@ impl<'a> Lines<'a> {
         }
         let value = words(self)?;
         unless(self.words.next().is_none(), "more words, or marks, than expected")?;
-        self.advance();
-        Ok(value)
+        self.advance().map(|()| value)
     }
 
     pub fn word(&mut self) -> Checked<&'a str> {
@@ -76,34 +106,41 @@ impl<'a> Lines<'a> {
         self.words.next().filter(is_word).ok_or_else(reason)
     }
 
-    pub fn number(&mut self) -> Checked<f64> {
-        let word = self.word()?;
+    pub fn real(&mut self) -> Checked<f64> {
+        self.word().and_then(Self::parsed)
+    }
+
+    pub fn parsed(word: &str) -> Checked<f64> {
         let number = word.parse::<f64>().ok().filter(|x| x.abs() <= LARGEST && word.len() <= 32);
         number.ok_or_else(|| "a number that is none, or too large".to_owned())
     }
 
     pub fn point(&mut self) -> Checked<Point> {
-        Ok([self.number()?, self.number()?, self.number()?])
+        Ok([self.real()?, self.real()?, self.real()?])
     }
 
     pub fn size(&mut self) -> Checked<f64> {
-        self.number().and_then(|size| unless(size >= 0.0, "a size is not negative").map(|()| size))
+        self.real().and_then(|size| unless(size >= 0.0, "a size is not negative").map(|()| size))
     }
 
     /// Reads one value for each joint.
     pub fn values(&mut self, joints: usize) -> Checked<Vec<f64>> {
-        (0..joints).map(|_| self.number()).collect()
+        (0..joints).map(|_| self.real()).collect()
     }
 
     pub fn index(&mut self, below: usize) -> Checked<usize> {
-        let word = self.word()?;
+        self.word().and_then(|word| Self::whole(word, below))
+    }
+
+    /// Reads a whole number in its shortest form.
+    pub fn whole(word: &str, below: usize) -> Checked<usize> {
         let index = word.parse().ok().filter(|index: &usize| *index < below && index.to_string() == word);
         index.ok_or_else(|| "an index out of range".to_owned())
     }
 
     pub fn pose(&mut self) -> Checked<Pose> {
         let translation = self.point()?.map(point);
-        let quaternion = [self.number()?, self.number()?, self.number()?, self.number()?];
+        let quaternion = [self.real()?, self.real()?, self.real()?, self.real()?];
         has_size(&quaternion)?;
         Ok(Pose { rotation: rotation(quaternion.map(point)), translation })
     }

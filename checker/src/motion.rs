@@ -117,10 +117,9 @@ impl Bound {
     pub fn holds(&self, moment: &Moment<'_>) -> bool {
         let moved = moment.moved(None, self.link, (self.point, ZERO));
         let along = times(&moved.pose.rotation, self.point);
-        let (at, velocity, bend) = if self.is_direction {
-            (along, cross(moved.turn, along), moved.swing)
-        } else {
-            (moved.center, moved.velocity, moved.acceleration)
+        let (at, velocity, bend) = match self.is_direction {
+            true => (along, cross(moved.turn, along), moved.swing),
+            false => (moved.center, moved.velocity, moved.acceleration),
         };
         let most = |far: Interval| (far + bend * point(0.125)).hi;
         [-0.5, 0.5].map(point).into_iter().all(|s| {

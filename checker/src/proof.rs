@@ -10,7 +10,7 @@ use super::scene::{Bound, Pair, Pose, Scene};
 use super::solid::{Object, Span};
 
 /// Maximum number of halvings above a leaf.
-const MOST_HALVINGS: u32 = 96;
+pub const MOST_HALVINGS: u32 = 96;
 
 /// Maximum work on a certificate, in operations of some ten nanoseconds; it limits the memory too.
 const MOST_WORK: usize = 2_000_000_000;

@@ -3,7 +3,8 @@
 use std::collections::{HashMap, HashSet};
 
 use super::digest::sha256;
-use super::interval::{IDENTITY, Interval, Matrix, ONE, ORIGIN, Vector, length, point, scaled};
+use super::interval::{IDENTITY, Interval, Matrix, ONE, ORIGIN, Vector, length, minus, point, scaled};
+use super::interval::{sum, times, transposed_times};
 use super::lines::{Checked, LARGEST, Lines, has_size, unless};
 use super::solid::{Object, Solid};
 
@@ -20,6 +21,18 @@ pub struct Pose {
 impl Default for Pose {
     fn default() -> Self {
         Self { rotation: IDENTITY, translation: ORIGIN }
+    }
+}
+
+impl Pose {
+    /// Returns a point of the own frame in the other one.
+    pub fn of_point(&self, p: Vector) -> Vector {
+        sum(times(&self.rotation, p), self.translation)
+    }
+
+    /// Returns a point of the other frame in the own one.
+    pub fn to_own(&self, p: Vector) -> Vector {
+        transposed_times(&self.rotation, sum(p, minus(self.translation)))
     }
 }
 
@@ -86,10 +99,10 @@ pub struct Scene<'a> {
 impl<'a> Scene<'a> {
     /// Reads the lines of a scene, in their order, and compares its hash.
     pub fn read(lines: &mut Lines<'a>) -> Checked<Self> {
-        let (mut scene, begin) = (Self::default(), lines.begin);
+        let (mut scene, begin) = (Self::default(), lines.at());
         scene.name = lines.read("scene", Lines::word)?;
         while lines.is("joint") {
-            let joint = |line: &mut Lines<'a>| Ok((line.word()?, [line.number()?, line.number()?]));
+            let joint = |line: &mut Lines<'a>| Ok((line.word()?, [line.real()?, line.real()?]));
             scene.joints.push(lines.read("joint", joint)?);
         }
         while lines.is("link") || lines.is("body") {
@@ -108,7 +121,7 @@ impl<'a> Scene<'a> {
         scene.tip = lines.read("tip", |line| line.index(scene.objects.len()))?;
         let is_usable = !scene.joints.is_empty() && !scene.objects[scene.tip].is_body;
         unless(is_usable, "no joint, or the tip is no link")?;
-        let goals = lines.begin;
+        let goals = lines.at();
         while scene.goals.is_empty() || lines.is("goal") {
             scene.goals.push(lines.read("goal", |line| line.word().and_then(|_| line.pose()))?);
         }
@@ -119,14 +132,14 @@ impl<'a> Scene<'a> {
     }
 
     fn read_object(&mut self, lines: &mut Lines<'a>) -> Checked {
-        let begin = lines.begin;
+        let begin = lines.at();
         let body = |name| Object { is_body: true, name, ..Object::default() };
         let mut object = match lines.is("link") {
             true => lines.read("link", |line| self.link(line))?,
             false => body(lines.read("body", Lines::word)?),
         };
-        object.title = self.with_names(lines.since(begin), &[2]);
-        let solids = lines.begin;
+        object.title = self.with_names(&lines.since(begin), &[2]);
+        let solids = lines.at();
         while let Some(solid) = Solid::read(lines, object.is_body)? {
             object.solids.push(solid);
         }
@@ -156,7 +169,7 @@ impl<'a> Scene<'a> {
         let kind = line.word()?;
         if kind != "fixed" {
             unless(kind == "turn" || kind == "slide", "a motion that is none")?;
-            let (joint, factor, offset) = (line.index(self.joints.len())?, line.number()?, line.number()?);
+            let (joint, factor, offset) = (line.index(self.joints.len())?, line.real()?, line.real()?);
             let is_small = |limit: f64| (factor * limit).abs() + offset.abs() <= LARGEST;
             unless(self.joints[joint].1.into_iter().all(is_small), "a link can turn or slide too far")?;
             let axis = unit(line.point()?.map(point))?;
@@ -166,19 +179,19 @@ impl<'a> Scene<'a> {
     }
 
     fn read_exception(&mut self, lines: &mut Lines<'a>) -> Checked {
-        let (begin, objects, is_kept) = (lines.begin, self.objects.len(), lines.is("keep"));
+        let (begin, objects, is_kept) = (lines.at(), self.objects.len(), lines.is("keep"));
         let (pair, distance) = lines.read(if is_kept { "keep" } else { "skip" }, |line| {
             let pair = [line.index(objects)?, line.index(objects)?];
-            Ok((pair, if is_kept { Some(line.number()?) } else { line.word().map(|_| None)? }))
+            Ok((pair, if is_kept { Some(line.real()?) } else { line.word().map(|_| None)? }))
         })?;
         let is_new = self.distances.insert(pair, distance).is_none();
         unless(pair[0] < pair[1] && is_new, "each pair once, the lower index first")?;
-        self.rules.push(self.with_names(lines.since(begin), &[1, 2]));
+        self.rules.push(self.with_names(&lines.since(begin), &[1, 2]));
         Ok(())
     }
 
     fn read_bound(&mut self, kind: &str, lines: &mut Lines<'a>) -> Checked {
-        let (begin, objects) = (lines.begin, self.objects.len());
+        let (begin, objects) = (lines.at(), self.objects.len());
         let bound = lines.read(kind, |line| {
             let mut bound = Bound { half: [f64::INFINITY; 3], radius: f64::INFINITY, ..Bound::default() };
             (bound.is_direction, bound.link) =
@@ -198,7 +211,7 @@ impl<'a> Scene<'a> {
         })?;
         unless(!self.objects[bound.link].is_body, "a bound is of a link")?;
         self.bounds.push(bound);
-        self.rules.push(self.with_names(lines.since(begin), &[2]));
+        self.rules.push(self.with_names(&lines.since(begin), &[2]));
         Ok(())
     }
 

@@ -91,12 +91,23 @@ impl Solid {
         let round = disc + length(m) * point(self.ball);
         let center = dot(n, self.pose.translation) + dot(m.map(Interval::magnitude), self.half.map(point));
         let corners = self.faces[faces[0]..faces[1]].iter().flatten();
-        let farthest = if faces == [0, self.faces.len()] {
-            self.farthest(m, self.points.iter())
-        } else {
-            self.farthest(m, corners.map(|index| &self.points[*index]))
+        let farthest = match faces == [0, self.faces.len()] {
+            true => self.farthest(m, self.points.iter()),
+            false => self.farthest(m, corners.map(|index| &self.points[*index])),
         };
         (center + round + farthest).hi
+    }
+
+    /// Returns true if a point, in the frame of the object, is in the solid; always false for hulls and meshes (14).
+    pub fn contains(&self, p: Vector) -> bool {
+        let local = self.pose.to_own(p);
+        if self.is_half_space || !self.points.is_empty() {
+            return self.is_half_space && local[2].hi <= 0.0;
+        }
+        let beyond = |x: Interval, most: f64| point((x.magnitude() - point(most)).hi.max(0.0));
+        let [x, y, z] = std::array::from_fn(|i| beyond(local[i], self.half[i]));
+        let across = if x == ZERO && y == ZERO { ZERO } else { beyond(length([x, y, ZERO]), self.disc) };
+        (across == ZERO && z == ZERO) || length([across, ZERO, z]).hi <= self.ball
     }
 
     /// Encloses the greatest m·p over some points, 0 for none (4).

@@ -4,14 +4,16 @@ use std::sync::Arc;
 
 use cranny_collision::Cell;
 use cranny_robot::Robot;
-use cranny_spatial::{Pose, PoseDifference};
+use cranny_spatial::{Point, Pose, PoseDifference};
 use cranny_task::{Goal, Problem, Segment, Stage, StateSequence};
 use sha2::{Digest as _, Sha256};
 
 use crate::CertifyError;
+use crate::enclosure::{Base, Boxes};
 use crate::joint_curve::{Course, JointCurve};
 use crate::model::Model;
 use crate::pair_tree::PieceProof;
+use crate::repeats::folded;
 use crate::scene_text::{FORMAT, Rules, line, scene_text};
 
 /// Maximum distance of the start of a path from that of the problem, in m or rad; a checker allows the same.
@@ -31,6 +33,7 @@ struct Passage {
 /// 2. Its path: along the curves of rounded corners if there are any. A motion in a single scene has a path along its way
 ///    points, too.
 /// 3. For each piece and each pair of objects a tree of intervals and planes (`PieceProof::prove`).
+/// 4. Lines that repeat earlier ones, such as the solids of the next scene, refer to them.
 ///
 /// # Errors
 /// [`CertifyError`] for a motion that is not proven, or of a kind that certificates do not cover.
@@ -51,18 +54,52 @@ pub fn certificate(
         if !model.is_in_order() {
             return Err(not_covered("a robot that lists a finger before its tip, which a joint moves"));
         }
-        let scene = scene_text(robot, &model, &Rules { name: &name, start: &start, goal });
-        let hash: String = Sha256::digest(scene.as_bytes()).iter().fold(String::new(), |mut hash, byte| {
-            let _ = write!(hash, "{byte:02x}");
-            hash
-        });
-        let _ = writeln!(text, "{scene}hash {hash}");
+        let scene = scene_text(robot, &model, &Rules { name: &name, start: &start, goals: &[goal] });
+        let _ = writeln!(text, "{scene}hash {}", hash_of(&scene));
         for (path, pieces) in &paths {
             let _ = writeln!(text, "path {path}");
             path_lines(&mut text, &cell, &model, (path, pieces))?;
         }
     }
     text.push_str("end\n");
+    Ok(folded(&text))
+}
+
+/// Returns the certificate that no motion leads from the start of a problem to any of its goals, `cranny-certificate/1`: the base
+/// cannot come near enough. `name` is that of the scenario.
+///
+/// 1. The ranges of the slides on which the arm stands are divided into boxes. A box is excluded if two objects touch in all of it,
+///    whatever the arm does.
+/// 2. No goal is in reach from the boxes that the start remains connected with.
+///
+/// # Errors
+/// [`CertifyError::NotExcluded`] if that is not so, or remains undecided; [`CertifyError::NotCovered`] for a problem of another kind.
+pub fn impossibility(name: &str, problem: &Problem) -> Result<String, CertifyError> {
+    let cell = problem.cell().ok_or_else(|| not_covered("the paper's criterion, which proves nothing"))?;
+    let (robot, start) = (cell.robot(), problem.start());
+    let goals: Vec<(String, Pose)> = match (problem.goal(), problem.grasp_measure()) {
+        (Goal::Grasps(grasps), None) => {
+            let grasps = grasps.grasps().iter().enumerate();
+            grasps.map(|(index, grasp)| (format!("grasp-{index}"), grasp.world_from_gripper)).collect()
+        }
+        (Goal::Configurations(ends), _) => {
+            let tip = |q: &Vec<f64>| *robot.frames_at(q).link(robot.tip());
+            ends.iter().enumerate().map(|(index, q)| (format!("configuration-{index}"), tip(q))).collect()
+        }
+        _ => return Err(not_covered("a proof that no motion exists to grasps that a planner may choose")),
+    };
+    let model = Model::of(cell);
+    if goals.is_empty() || !model.is_in_order() {
+        return Err(not_covered("a problem without goals, or a robot that lists a finger before its tip"));
+    }
+    let tips: Vec<Point> = goals.iter().map(|(_, goal)| Point::from(goal.translation.vector)).collect();
+    let base = Base::new(cell, &model, start);
+    let boxes = base.as_ref().and_then(|base| Some((base, Boxes::around(base, &tips)?)));
+    let (base, boxes) = boxes.ok_or(CertifyError::NotExcluded)?;
+    let scene = scene_text(robot, &model, &Rules { name, start, goals: &goals });
+    let mut text = format!("{FORMAT}\n{scene}hash {}\n", hash_of(&scene));
+    line(&mut text, &format!("none {}", base.link), &base.axis_points);
+    let _ = writeln!(text, "boxes{}\nend", boxes.marks(base));
     Ok(text)
 }
 
@@ -141,17 +178,17 @@ fn path_lines(
                 margin_m,
                 at: stuck.at,
             })?;
-            let _ = writeln!(text, "p {a} {b} {}", tree.marks);
+            let _ = writeln!(text, "p {}", tree.marks);
             outside.extend(tree.outside.iter().map(|(i, j)| (a, b, *i, *j)));
         }
-        for (index, bound) in model.bounds.iter().enumerate() {
+        for bound in &model.bounds {
             let marks = proof.prove_bound(bound).map_err(|stuck| CertifyError::NotKept {
                 path,
                 edge,
                 bound: bound.name.clone(),
                 at: stuck.at,
             })?;
-            let _ = writeln!(text, "b {index} {marks}");
+            let _ = writeln!(text, "b {marks}");
         }
     }
     for ((a, b), _) in &model.pairs {
@@ -165,6 +202,13 @@ fn path_lines(
         }
     }
     Ok(())
+}
+
+fn hash_of(scene: &str) -> String {
+    Sha256::digest(scene.as_bytes()).iter().fold(String::new(), |mut hash, byte| {
+        let _ = write!(hash, "{byte:02x}");
+        hash
+    })
 }
 
 fn not_covered(what: &str) -> CertifyError {

@@ -48,6 +48,11 @@ pub enum CertifyError {
         /// The value, in m or rad.
         value: f64,
     },
+    /// It is not proven that no motion exists.
+    #[error(
+        "no proof that the base stays away from every goal: it may pass, only the arm cannot, or the obstacles are hulls or meshes"
+    )]
+    NotExcluded,
     /// The path ends at no grasp.
     #[error("the path ends at none of the grasps, to 1 mm and 1°")]
     Goal,

@@ -86,18 +86,26 @@ impl Gap<'_> {
 
     /// Returns the distance of the hulls of both parts in the middle of the interval, in metres, approximately.
     pub fn still_m(&self) -> f64 {
+        self.still().0
+    }
+
+    /// Returns a lower bound of the distance of the hulls of both parts in the middle of the interval, in metres, close to it, and
+    /// the direction in which they are that far apart.
+    pub fn still(&self) -> (f64, Vector) {
         let [a, b] = &self.moved;
         let mut v = b.center - a.center;
         let mut simplex: Vec<Vector> = Vec::new();
-        let mut below = 0.0_f64;
+        let mut below = (0.0, Vector::zeros());
         for step in 0..MOST_STEPS {
             let long = v.norm();
             if long <= ENOUGH_M {
-                return 0.0;
+                return (0.0, Vector::zeros());
             }
             let (along, point) = self.least(&v, &[0.0]);
-            below = below.max(along / long);
-            if step > 0 && long - along / long < 0.05 * below.max(ENOUGH_M) {
+            if along / long > below.0 {
+                below = (along / long, v / long);
+            }
+            if step > 0 && long - along / long < 0.05 * below.0.max(ENOUGH_M) {
                 break;
             }
             simplex.push(point);

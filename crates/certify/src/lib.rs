@@ -2,6 +2,8 @@
 
 mod bound_gap;
 mod certificate;
+mod common_point;
+mod enclosure;
 mod error;
 mod gap;
 mod joint_curve;
@@ -9,9 +11,10 @@ mod link_bound;
 mod model;
 mod moment;
 mod pair_tree;
+mod repeats;
 mod scene_text;
 mod span;
 mod word;
 
-pub use certificate::certificate;
+pub use certificate::{certificate, impossibility};
 pub use error::CertifyError;

@@ -8,7 +8,7 @@ use crate::span::{Object, Span};
 /// Robot in the middle of a curve.
 pub(crate) struct Moment {
     middle: Middle,
-    frames: LinkFrames,
+    pub frames: LinkFrames,
 }
 
 /// Part of an object in the middle of a curve, in a common frame: its pose, the velocity of the point `center`, the angular

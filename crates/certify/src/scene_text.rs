@@ -17,7 +17,7 @@ pub(crate) const FORMAT: &str = "cranny-certificate/1";
 pub(crate) struct Rules<'a> {
     pub name: &'a str,
     pub start: &'a [f64],
-    pub goal: (String, Pose),
+    pub goals: &'a [(String, Pose)],
 }
 
 /// Returns the lines of a scene, up to its hash.
@@ -41,7 +41,9 @@ pub(crate) fn scene_text(robot: &Robot, model: &Model, rules: &Rules<'_>) -> Str
     model.bounds.iter().for_each(|bound| bound_line(&mut text, bound));
     line(&mut text, "start", rules.start);
     let _ = writeln!(text, "tip {}", robot.tip());
-    line(&mut text, &format!("goal {}", word(&rules.goal.0)), &pose_numbers(&rules.goal.1));
+    for (name, pose) in rules.goals {
+        line(&mut text, &format!("goal {}", word(name)), &pose_numbers(pose));
+    }
     text
 }
 

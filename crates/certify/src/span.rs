@@ -147,7 +147,7 @@ impl Object {
         self.span(0, self.solids.len())
     }
 
-    fn span(&self, begin: usize, end: usize) -> Span {
+    pub fn span(&self, begin: usize, end: usize) -> Span {
         Span {
             solids: [begin, end],
             faces: if end == begin + 1 { self.solids[begin].all_faces() } else { [0, 0] },

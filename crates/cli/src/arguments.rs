@@ -331,14 +331,16 @@ impl VerifyArguments {
 #[command(after_help = "Examples:
   cranny certify 021 021.plan.json
   cranny certify path/to/scenarios/011 way_points.csv -o 011.cert
+  cranny certify path/to/narrow_gate
 
 docs/certificate.md defines the file and names the programs that check it.")]
 pub struct CertifyArguments {
     #[command(flatten)]
     pub task: TaskArguments,
-    /// A plan file (.plan.json) or way points (.csv, .try)
+    /// A plan file (.plan.json) or way points (.csv, .try); without it, or for a plan without a path, the certificate is that no
+    /// motion exists
     #[arg(value_name = "PLAN")]
-    pub plan: PathBuf,
+    pub plan: Option<PathBuf>,
     /// File to write the certificate to [default: ID.cert in this folder]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,

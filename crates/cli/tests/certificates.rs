@@ -24,12 +24,26 @@ pub fn cranny(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8_lossy(&text).into_owned())
 }
 
-/// Plans on a built-in scenario and returns the certificate.
+/// Returns a certificate with repeated lines in their place.
+pub fn unfolded(text: &str) -> String {
+    let lines: Vec<&str> = text.split_inclusive('\n').collect();
+    let in_place = |line: &&str| match line.strip_prefix("= ") {
+        None => (*line).to_owned(),
+        Some(words) => {
+            let numbers: Vec<usize> =
+                words.split_whitespace().map(|word| word.parse().expect("a number")).collect();
+            lines[numbers[0] - 1..numbers[0] - 1 + numbers[1]].concat()
+        }
+    };
+    lines.iter().map(in_place).collect()
+}
+
+/// Plans on a built-in scenario and returns the certificate, with repeated lines in their place.
 pub fn certificate(folder: &Path, scenario: &str, flags: &[&str]) -> String {
     let arguments = [&["plan", scenario, "-o", "it.plan.json", "--certificate", "it.cert"], flags].concat();
     let (code, printed) = cranny(folder, &arguments);
     assert_eq!(code, Some(0), "{scenario}: {printed}");
-    std::fs::read_to_string(folder.join("it.cert")).expect("a certificate")
+    unfolded(&std::fs::read_to_string(folder.join("it.cert")).expect("a certificate"))
 }
 
 fn scenarios() -> Vec<String> {
@@ -58,6 +72,8 @@ fn certificates_of_the_twenty_scenarios_are_accepted() {
         for flags in [&[][..], &["--stop-at-corners"]] {
             let text = certificate(folder.path(), &scenario, flags);
             let found = check(&text).unwrap_or_else(|fault| panic!("{scenario} {flags:?}: {fault:?}"));
+            let written = std::fs::read_to_string(folder.path().join("it.cert")).expect("a certificate");
+            assert!(written.len() <= text.len() && check(&written).as_ref() == Ok(&found), "{scenario}");
             assert!(found[0].starts_with(&format!("scene {scenario} ")), "{found:?}");
             let pairs = text.lines().filter(|line| line.starts_with("p ")).count();
             assert!(pairs > 50 && found[2].ends_with("at least 0.00001 m apart but for `keep`"), "{found:?}");
@@ -75,7 +91,8 @@ fn a_margin_is_certified() {
     let text = certificate(folder.path(), "021", &["--margin", "3"]);
     let (code, printed) = cranny(folder.path(), &["certify", "021", "it.plan.json", "-o", "again.cert"]);
     assert_eq!(code, Some(0), "{printed}");
-    assert_eq!(std::fs::read_to_string(folder.path().join("again.cert")).expect("a file"), text);
+    let again = std::fs::read_to_string(folder.path().join("again.cert")).expect("a file");
+    assert_eq!(unfolded(&again), text);
     assert!(check(&text).is_ok_and(|found| found[2].ends_with("at least 0.003 m apart but for `keep`")));
 }
 
@@ -87,6 +104,70 @@ pub fn with_scene_line(text: &str, begin: &str, line: &str) -> String {
     let (scene, rest) = scene.split_once("hash ").expect("a hash");
     let (_, paths) = rest.split_once('\n').expect("paths");
     format!("{format}\n{scene}hash {}\n{paths}", sha256(scene.as_bytes()))
+}
+
+/// Writes a gap between two walls, of this width, and a box 0.55 m farther behind it than in the paper.
+fn deep_gap(folder: &Path, width_m: f64) -> PathBuf {
+    let (first, last) = (width_m.to_string(), (width_m - 0.01).to_string());
+    let sweep =
+        ["scenario", "sweep", "gap", "--from", &first, "--to", &last, "--steps", "2", "-o", "gaps", "-q"];
+    let (code, printed) = cranny(folder, &sweep);
+    assert_eq!(code, Some(0), "{printed}");
+    let scene = folder.join(format!("gaps/gap-{width_m:.4}"));
+    let file = scene.join("scenario.yaml");
+    let text = std::fs::read_to_string(&file).expect("a scenario");
+    let (before, target) = text.split_once("target:").expect("a target");
+    let (head, rest) = target.split_once("position: [").expect("a position");
+    let (position, rest) = rest.split_once(']').expect("three numbers");
+    let deeper = |text: &str| text.trim().parse::<f64>().expect("a number") + 0.55;
+    let at: Vec<&str> = position.split(',').collect();
+    let moved = format!("{before}target:{head}position: [{}, {}, {}]{rest}", at[0], deeper(at[1]), at[2]);
+    std::fs::write(&file, moved).expect("written");
+    let grasps = scene.join("grasps.csv");
+    let text = std::fs::read_to_string(&grasps).expect("grasps");
+    let row = |(number, line): (usize, &str)| {
+        let mut words: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if number > 0 {
+            words[3] = deeper(&words[3]).to_string();
+        }
+        words.join(",") + "\n"
+    };
+    std::fs::write(&grasps, text.lines().enumerate().map(row).collect::<String>()).expect("written");
+    scene
+}
+
+/// Where the base cannot pass, both checkers accept that no motion exists; where it can, there is no such certificate.
+#[test]
+fn that_no_motion_exists_is_certified() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let narrow = deep_gap(folder.path(), 0.398);
+    let (code, printed) = cranny(folder.path(), &["certify", &narrow.to_string_lossy(), "-o", "no.cert"]);
+    assert!(code == Some(0) && printed.starts_with("certificate of no motion: no.cert"), "{printed}");
+    let text = std::fs::read_to_string(folder.path().join("no.cert")).expect("a certificate");
+    let found = check(&text).expect("it holds");
+    assert!(found[1].starts_with("no motion leads to a goal"), "{found:?}");
+    python_agrees(folder.path(), &text, true);
+    // Nothing is excluded; and a narrower base.
+    let boxes = text.lines().find(|line| line.starts_with("boxes ")).expect("boxes");
+    let is_excluded = |mark: &&str| mark.contains(',');
+    let open: Vec<&str> = boxes.split(' ').map(|mark| if is_excluded(&mark) { "." } else { mark }).collect();
+    let open = open.join(" ");
+    for wrong in [
+        text.replacen(boxes, &open, 1),
+        with_scene_line(&text, "box 0 0 0 1 0 0 0 .2 .2 .01", "box 0 0 0 1 0 0 0 .19 .19 .01"),
+    ] {
+        assert!(check(&wrong).is_err());
+        python_agrees(folder.path(), &wrong, false);
+    }
+    let file = narrow.to_string_lossy();
+    let plan = ["plan", &file, "--time-limit", "0.2", "-o", "no.plan.json", "--certificate", "again.cert"];
+    assert_eq!(cranny(folder.path(), &plan).0, Some(1));
+    assert_eq!(std::fs::read_to_string(folder.path().join("again.cert")).expect("a file"), text);
+    let (code, printed) = cranny(folder.path(), &["certify", &file, "no.plan.json", "-o", "third.cert"]);
+    assert_eq!(code, Some(0), "{printed}");
+    let wide = deep_gap(folder.path(), 0.405);
+    let (code, printed) = cranny(folder.path(), &["certify", &wide.to_string_lossy(), "-o", "wide.cert"]);
+    assert!(code == Some(1) && printed.contains("no certificate of no motion"), "{printed}");
 }
 
 /// A greater distance than the path has is not certified, whatever the planes are.

@@ -160,7 +160,7 @@ fn change(text: &str, kind: usize, random: &mut Stream) -> String {
     let mut marks = words(&lines[at]);
     match kind {
         0 => {
-            let planes: Vec<usize> = (3..marks.len()).filter(|word| marks[*word].contains(',')).collect();
+            let planes: Vec<usize> = (1..marks.len()).filter(|word| marks[*word].contains(',')).collect();
             if !planes.is_empty() {
                 let word = planes[pick(0, planes.len())];
                 let mut n: Vec<i32> = marks[word].split(',').map(|x| x.parse().expect("a number")).collect();
@@ -172,19 +172,18 @@ fn change(text: &str, kind: usize, random: &mut Stream) -> String {
         1 => {
             let mut whole = || i32::try_from(pick(0, 400)).expect("a number") - 200;
             let plane = format!("{},{},{}", whole(), whole(), whole());
-            let word = pick(3, marks.len());
+            let word = pick(1, marks.len());
             marks[word] = plane;
             lines[at] = marks.join(" ");
         }
         2 => {
-            marks.remove(pick(3, marks.len()));
+            marks.remove(pick(1, marks.len()));
             lines[at] = marks.join(" ");
         }
         3 => drop(lines.remove(at)),
         4 => lines.insert(at, lines[at].clone()),
         5 => {
-            let (from, rest) = (words(&lines[other]), marks[..3].to_vec());
-            lines[at] = [rest, from[3..].to_vec()].concat().join(" ");
+            lines[at] = lines[other].clone();
         }
         6 => lines.swap(point, points[pick(0, points.len())]),
         7 | 8 => {
@@ -215,9 +214,8 @@ fn change(text: &str, kind: usize, random: &mut Stream) -> String {
         }
         10 => {
             let by = ["99999999999999999999", "999999999", "-1"][pick(0, 3)];
-            let word = pick(1, 3);
-            by.clone_into(&mut marks[word]);
-            lines[at] = marks.join(" ");
+            let tip = lines.iter().position(|line| line.starts_with("tip ")).expect("a tip");
+            lines[tip] = format!("tip {by}");
         }
         11 => {
             let digit = pick(5, 69);

@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use cranny_certify::{CertifyError, certificate};
+use cranny_certify::{CertifyError, certificate, impossibility};
 use cranny_record::{PlanFile, read_waypoints};
 use cranny_task::{Mode, Problem, Segment, Stage};
 use serde::Serialize;
@@ -15,33 +15,39 @@ use crate::planning::plan_task::{PlanTask, check_plan, read_plan};
 use crate::planning::task::Demand;
 use crate::text;
 
+/// Claims of a certificate.
+const MOTION: &str = "a motion";
+const NO_MOTION: &str = "no motion";
+
 pub fn run(arguments: &CertifyArguments, output: Output) -> Result<Answer, Failure> {
-    let (file, id) = (&arguments.plan, &arguments.task.id);
-    let plan = read_plan(file)?;
+    let (file, id) = (arguments.plan.as_deref(), &arguments.task.id);
+    let plan = file.map(read_plan).transpose()?.flatten();
     let demand = plan.as_ref().map(Demand::of_plan).unwrap_or_default();
     let PlanTask { source, problem, .. } = PlanTask::open(&arguments.task, &[], demand, output)?;
     let name = Path::new(id).file_stem().unwrap_or_default().to_string_lossy();
     let to = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.cert")));
     output_file::check(&to, FileKind::Certificate, output)?;
-    let written = if let Some(plan) = &plan {
-        check_plan(file, plan, problem.robot(), &source.scenario, "certified for")?;
-        plan.check_path(file, problem.robot().dof())?;
-        write(&source.scenario, &problem, plan, &to, output)?
-    } else {
-        let path = read_waypoints(file, problem.robot().dof())?;
-        let segments = [Segment::empty(0, Mode::REACH, path)];
-        Written::of(
-            certificate(&source.scenario, &problem, &[Stage::pick()], &segments),
-            &to,
-            Instant::now(),
-            output,
-        )?
+    let dof = problem.robot().dof();
+    let written = match (file, &plan) {
+        (Some(file), Some(plan)) => {
+            check_plan(file, plan, problem.robot(), &source.scenario, "certified for")?;
+            if !plan.waypoints.is_empty() {
+                plan.check_path(file, dof)?;
+            }
+            write(&source.scenario, &problem, plan, &to, output)?
+        }
+        (Some(file), None) => {
+            let segments = [Segment::empty(0, Mode::REACH, read_waypoints(file, dof)?)];
+            let text = || certificate(&source.scenario, &problem, &[Stage::pick()], &segments);
+            Written::of(MOTION, text, &to, output)?
+        }
+        (None, _) => Written::of(NO_MOTION, || impossibility(&source.scenario, &problem), &to, output)?,
     };
     text::answer(&written, || written.line(), output)?;
     Ok(if written.is_certified() { Answer::Done } else { Answer::No })
 }
 
-/// Writes the certificate of a plan, if there is one.
+/// Writes the certificate of a plan, if there is one: of its motion, or that none exists if it has none.
 pub fn write(
     scenario: &str,
     problem: &Problem,
@@ -49,16 +55,18 @@ pub fn write(
     to: &Path,
     output: Output,
 ) -> Result<Written, Failure> {
-    let begin = Instant::now();
+    if plan.waypoints.is_empty() {
+        return Written::of(NO_MOTION, || impossibility(scenario, problem), to, output);
+    }
     let own = [Stage::pick()];
     let stages = if plan.task.is_empty() { &own[..] } else { &plan.task };
-    let text = certificate(scenario, problem, stages, &plan.segments);
-    Written::of(text, to, begin, output)
+    Written::of(MOTION, || certificate(scenario, problem, stages, &plan.segments), to, output)
 }
 
 /// Certificate that was written, or the reason why there is none; printed by `--json` with these keys.
 #[derive(Clone, Debug, Serialize)]
 pub struct Written {
+    claim: &'static str,
     certificate: Option<PathBuf>,
     bytes: usize,
     time_s: f64,
@@ -67,13 +75,15 @@ pub struct Written {
 
 impl Written {
     fn of(
-        text: Result<String, CertifyError>,
+        claim: &'static str,
+        text: impl FnOnce() -> Result<String, CertifyError>,
         to: &Path,
-        begin: Instant,
         output: Output,
     ) -> Result<Self, Failure> {
+        let begin = Instant::now();
+        let text = text();
         let time_s = begin.elapsed().as_secs_f64();
-        let none = Self { certificate: None, bytes: 0, time_s, refused: None };
+        let none = Self { claim, certificate: None, bytes: 0, time_s, refused: None };
         match text {
             Ok(text) => {
                 output_file::write(to, FileKind::Certificate, text.as_bytes(), output)?;
@@ -93,9 +103,12 @@ impl Written {
             (Some(file), _) => {
                 let kilobytes = self.bytes.div_ceil(1000);
                 let milliseconds = 1e3 * self.time_s;
-                format!("certificate: {}, {kilobytes} kB, in {milliseconds:.1} ms\n", file.display())
+                let (claim, file) = (self.claim, file.display());
+                format!("certificate of {claim}: {file}, {kilobytes} kB, in {milliseconds:.1} ms\n")
             }
-            (None, reason) => format!("no certificate: {}\n", reason.as_deref().unwrap_or_default()),
+            (None, reason) => {
+                format!("no certificate of {}: {}\n", self.claim, reason.as_deref().unwrap_or_default())
+            }
         }
     }
 }

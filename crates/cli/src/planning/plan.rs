@@ -80,7 +80,8 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
         output_file::check(&file, FileKind::Plan, output)?;
         plan.write(&file)?;
     }
-    let to = arguments.certificate.as_deref().filter(|_| solved);
+    // Without a path, it may be certain that none exists.
+    let to = arguments.certificate.as_deref().filter(|_| solved || plan.waypoints.is_empty());
     let certified = to.map(|to| certify::write(&source.scenario, &problem, &plan, to, output)).transpose()?;
     let planning_time_s = answer.statistics.planning_time_s;
     let shortcut_time_s = answer.shortening.map(|shortening| shortening.time_s);
