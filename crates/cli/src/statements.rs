@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::arguments::VerifyArguments;
 use crate::planning::task::Demand;
-use crate::text::{at_least_mm, at_most_degrees};
+use crate::text::{at_least_mm, degrees};
 
 /// Files that a plan names instead of the scenario's own, on the authority of the plan alone. Flags override them.
 #[derive(Default, Serialize)]
@@ -62,7 +62,7 @@ pub fn demanded_margins(margins: &Margins) -> Vec<String> {
         [("margin", margin_m), ("grasp margin", grasp_margin_m), ("object margin", object_margin_m)];
     let margins = margins.into_iter().filter(|(_, margin_m)| *margin_m > 0.0);
     let margins = margins.map(|(name, margin_m)| format!("{name} {}", at_least_mm(margin_m)));
-    let tilt = tilt_rad.map(|tilt_rad| format!("upright within {}", at_most_degrees(tilt_rad)));
+    let tilt = tilt_rad.map(|tilt_rad| format!("upright within {}", degrees(tilt_rad)));
     margins.chain(tilt).collect()
 }
 

@@ -141,7 +141,11 @@ fn cans_and_mugs_are_carried_upright() {
     for name in ["can_gap", "can_shelf", "mug_gap", "mug_shelf"] {
         let (scenario, plan) = solved(&example(name), &ask);
         assert!(judged(&scenario, &plan).audit.valid, "{name}");
-        assert!(plan.tilt.expect("a bound").greatest_rad <= 15_f64.to_radians(), "{name}: {:?}", plan.tilt);
+        assert!(
+            plan.tilt.as_ref().expect("a bound").greatest_rad <= 15_f64.to_radians(),
+            "{name}: {:?}",
+            plan.tilt
+        );
     }
 }
 

@@ -57,7 +57,7 @@ fn what_is_held_is_tilted_nowhere_by_more_than_is_proven() {
                 continue;
             }
             let (_, problem, plan) = planned(id, Some(tilt_deg), seed);
-            let tilt = plan.tilt.expect("a limit");
+            let tilt = plan.tilt.clone().expect("a limit");
             let seen_rad = sampled_rad(&plan, &problem);
             assert!(seen_rad <= tilt.greatest_rad + 1e-9, "{id}: {seen_rad} beyond {tilt:?}");
             assert!(tilt.greatest_rad <= tilt_deg.to_radians() + 1e-12, "{id}: {tilt:?}");

@@ -3,10 +3,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use cranny_robot::RobotFiles;
+use cranny_collision::{Body, Cell, Margins, World};
+use cranny_robot::{Hold, RobotFiles};
 use cranny_scenario::{
-    Credits, OpenOptions, Scenario, SchemaFile, TemplateRobot, check, pack, unpack, write_template,
+    Credits, OpenOptions, RecipeRobot, Scenario, SchemaFile, TemplateRobot, check, pack, unpack,
+    write_template,
 };
+use cranny_shape::Solid;
+use cranny_spatial::{Pose, Vector};
 
 /// Path of a file of a small arm with SRDF, limits and mesh, and of a scenario beside it.
 fn sound(file: &str) -> PathBuf {
@@ -149,4 +153,24 @@ fn editors_know_the_keys_of_a_robot() {
     for key in ["robot", "srdf", "group", "tip", "fixed", "packages"] {
         assert!(SchemaFile::Scenario.schema().contains(&format!("\"{key}\"")), "{key}");
     }
+}
+
+/// Returns the link that touches a plank of 30 mm before a pad does, when a linkage closes on it; its near edge is at a distance
+/// (m) ahead of the gripper frame.
+fn touched_beside(ahead_m: f64) -> Option<String> {
+    let robot = RecipeRobot::load(Path::new("ur5e")).unwrap().robot;
+    let solid = Solid::cuboid(Vector::new(0.055, 0.015, 0.1)).unwrap();
+    let world = World::new(vec![Body::new("plank", Pose::translation(2.0, 0.0, 1.0), solid)]).unwrap();
+    let cell = Cell::new(robot.clone(), world, Margins::default()).unwrap();
+    let hold = Hold { tip_from_held: Pose::translation(0.0, 0.0, ahead_m + 0.1), closing: 0.0 };
+    let closing = cell.holding(0, hold).unwrap().close_on_held().unwrap();
+    closing.beside.map(|link| robot.links()[link].name.clone())
+}
+
+/// Far in the hand, the knuckles of a linkage meet a plank before its pads do.
+#[test]
+fn a_knuckle_that_touches_before_the_pad_is_named() {
+    assert_eq!(touched_beside(-0.01), None);
+    let knuckle = touched_beside(-0.045).unwrap();
+    assert!(knuckle.contains("inner_knuckle"), "{knuckle}");
 }

@@ -2,11 +2,13 @@ use cranny_collision::{ToolBound, ToolRegion};
 use cranny_task::{Segment, State, StateSequence};
 use serde::{Deserialize, Serialize};
 
-/// Tilt of the held object along a whole motion, if it is limited: the angle between up and the direction in the object that
+/// Tilt of a held object along a whole motion, if it is limited: the angle between up and the direction in the object that
 /// pointed up before the grasp.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tilt {
+    /// Name of the object: if the tilt of several is limited, of the one that comes nearest to its limit.
+    pub object: String,
     /// Greatest tilt, in radians: a proven upper bound, to within some thousandths.
     pub greatest_rad: f64,
     /// Greatest allowed tilt, in radians.
@@ -28,8 +30,8 @@ pub struct ToolSlack {
 }
 
 impl Tilt {
-    /// Computes the tilt along segments, rounded corners included. With several limits, the tilt nearest to its limit counts.
-    /// `None` without a limit.
+    /// Computes the tilt of the object that comes nearest to its limit along segments, rounded corners included. `None` without a
+    /// limit.
     pub fn of(along: &StateSequence, segments: &[Segment]) -> Option<Self> {
         let of_segment = |(state, segment): (&State, &Segment)| {
             let cell = state.cell();
@@ -37,7 +39,7 @@ impl Tilt {
             let ToolBound { region, .. } = cell.tool_bounds().nth(bound)?;
             let ToolRegion::Cone { most_rad, .. } = *region else { return None };
             let greatest_rad = (most_rad + greatest_excess(bound, state, segment)).max(0.0);
-            Some(Self { greatest_rad, most_rad })
+            Some(Self { object: segment.attached.clone()?, greatest_rad, most_rad })
         };
         let slack_rad = |tilt: &Self| tilt.most_rad - tilt.greatest_rad;
         let along = along.states.iter().zip(segments).filter_map(of_segment);

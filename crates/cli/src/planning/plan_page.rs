@@ -76,7 +76,7 @@ fn carried(plan: &PlanFile) -> Vec<String> {
         let opening = millimetres(lift_off.opening_m?);
         let uneven = text::uneven(lift_off.uneven_m);
         Some(format!(
-            "{object}, fingers {opening} apart{uneven}: {} to lift it off, {on} to where it goes",
+            "{object}, hand closed to {opening}{uneven}: {} to lift it off, {on} to where it goes",
             counted(off, "way point")
         ))
     };
@@ -289,11 +289,11 @@ fn about_path(answered: &Answered, grasps: &GraspSet, line: &mut dyn FnMut(&str,
     if let Some(value) = held(plan) {
         line("holds", value);
     }
-    if let Some(Tilt { greatest_rad, most_rad }) = plan.tilt {
-        let [greatest, most] = [greatest_rad, most_rad].map(f64::to_degrees);
+    if let Some(Tilt { object, greatest_rad, most_rad }) = &plan.tilt {
+        let [greatest, most] = [greatest_rad, most_rad].map(|angle| angle.to_degrees());
         line(
             "upright",
-            format!("what is held is tilted by {greatest:.1}° at most, of {most:.1}° allowed, proven"),
+            format!("{object} is tilted by {greatest:.1}° at most, of {most:.1}° allowed, proven"),
         );
     }
     for ToolSlack { name, slack_m, slack_rad } in &plan.tool {

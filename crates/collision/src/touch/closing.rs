@@ -14,10 +14,12 @@ use crate::touch::contact::Contact;
 pub struct Closing {
     /// Closing of the hand at which the first finger touches, from 0, open, to 1.
     pub closing: f64,
-    /// Travel of the finger that touches last, after the first one touches, in metres.
+    /// Travel of the pad of the finger that touches last, after the first one touches, in metres.
     pub uneven_m: f64,
     /// Fraction of its travel, from 0, open, to 1, at which each finger touches, by finger index.
     pub touching: Vec<f64>,
+    /// Link of a finger that touches the object before any pad of that finger does.
+    pub beside: Option<usize>,
 }
 
 /// Distance below which a finger touches, in metres.
@@ -34,8 +36,10 @@ impl Cell {
         let thing = self.bodies.iter().rfind(|body| Some(body.link) == self.robot().held_link())?;
         let tip_from_held = held.hold.tip_from_held;
         let things: Vec<_> = thing.shapes.iter().map(|(pose, solid)| (tip_from_held * pose, solid)).collect();
-        let mut touches: Vec<(f64, f64)> = Vec::new();
-        let fingers = self.robot().hand()?.fingers;
+        let mut touching: Vec<f64> = Vec::new();
+        let mut beside = None;
+        let hand = self.robot().hand()?;
+        let fingers = hand.fingers;
         for finger in 0..fingers {
             let own = |body: &&LinkBody| self.robot().finger_of(body.link) == Some(finger);
             let bodies: Vec<&LinkBody> = self.bodies.iter().filter(own).collect();
@@ -43,15 +47,22 @@ impl Cell {
             let mut closing = 0.0;
             for _ in 0..MOST_STEPS {
                 let hold = Hold { closing, ..held.hold };
-                let mut gap_m = f64::INFINITY;
+                let (mut gap_m, mut pad_gap_m, mut nearest) = (f64::INFINITY, f64::INFINITY, None);
                 let tip_from_loose = self.robot().tip_from_loose(&hold);
                 for body in &bodies {
                     let tip_from_link = self.tip_from_finger_link(body.link, &tip_from_loose)?;
                     let placed = body.shapes.iter().map(|(pose, solid)| (tip_from_link * pose, solid));
-                    gap_m = gap_m.min(group_separation(placed, &things.iter().copied(), way_m).lower_m);
+                    let own_m = group_separation(placed, &things.iter().copied(), way_m).lower_m;
+                    if self.robot().bears_pad(body.link) {
+                        pad_gap_m = own_m.min(pad_gap_m);
+                    }
+                    if own_m < gap_m {
+                        (gap_m, nearest) = (own_m, Some(body.link));
+                    }
                 }
                 if gap_m < TOUCHING_M {
-                    touches.push((closing, way_m));
+                    touching.push(closing);
+                    beside = beside.or(nearest.filter(|_| pad_gap_m >= TOUCHING_M));
                     break;
                 }
                 closing += gap_m / way_m;
@@ -60,11 +71,12 @@ impl Cell {
                 }
             }
         }
-        let first = touches.iter().map(|(closing, _)| *closing).fold(f64::INFINITY, f64::min);
-        let uneven_m = touches.iter().map(|(closing, way_m)| (closing - first) * way_m).fold(0.0, f64::max);
-        let touching = touches.iter().map(|(closing, _)| *closing).collect();
-        let is_whole = touches.len() == fingers && !touches.is_empty();
-        is_whole.then_some(Closing { closing: first, uneven_m, touching })
+        let first = touching.iter().copied().fold(f64::INFINITY, f64::min);
+        let further =
+            touching.iter().enumerate().map(|(finger, last)| hand.pads.travel_m(finger, [first, *last]));
+        let uneven_m = further.fold(0.0, f64::max);
+        let is_whole = touching.len() == fingers && !touching.is_empty();
+        is_whole.then_some(Closing { closing: first, uneven_m, touching, beside })
     }
 
     /// Returns the links with geometry of a finger, by index, each with its pose in the frame of the tip when the hand has

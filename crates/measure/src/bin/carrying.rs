@@ -161,6 +161,7 @@ fn short(reason: &FailureReason) -> &'static str {
     match reason {
         FailureReason::ClosesOnNothing => "closes on nothing",
         FailureReason::ClosingCollides { .. } => "fingers cannot close",
+        FailureReason::TouchesBesidePads { .. } => "touched beside the pads",
         FailureReason::LiftOffBlocked { .. } => "lift-off blocked",
         FailureReason::LiftOffOutOfReach => "lift-off out of reach",
         FailureReason::NotCarried => "no way found",

@@ -93,6 +93,13 @@ impl Robot {
         self.finger_of(link).is_some()
     }
 
+    /// Returns true if a link bears a pad, or is rigidly connected with one that does; false for the other links of a finger,
+    /// such as knuckles.
+    pub fn bears_pad(&self, link: usize) -> bool {
+        let joint = self.hand_joint_of(link);
+        joint.zip(self.hand.as_ref()).is_some_and(|(joint, hand)| hand.pads.is_below(joint))
+    }
+
     /// Bounds the motion of any point of a ball on a link, in metres, while the hand closes from open; `ball` is its centre in
     /// the link frame and its radius, in metres. 0 for a link that does not belong to a finger.
     ///

@@ -82,6 +82,19 @@ impl PadDistance {
         if self.is_linear { self.opening_m * (1.0 - closing) } else { self.by_pads_m(closing).max(0.0) }
     }
 
+    /// Returns true if a pad is on the link below a joint of the hand, or rigidly connected with it; joints as in
+    /// [`RobotHand::joints`](crate::RobotHand).
+    pub(crate) fn is_below(&self, joint: usize) -> bool {
+        self.pads.iter().any(|pad| pad.joint == joint)
+    }
+
+    /// Travel of the pad of a finger along the closing axis, in metres, while the hand closes from one share to another.
+    pub fn travel_m(&self, finger: usize, closings: [f64; 2]) -> f64 {
+        let [from, to] = closings.map(|closing| LooseJoint::poses(&self.joints, closing));
+        let y_m = |poses: &[Pose], pad: &Pad| (poses[pad.joint] * pad.in_link).y;
+        self.pads.get(finger).map_or(0.0, |pad| (y_m(&to, pad) - y_m(&from, pad)).abs())
+    }
+
     /// Share of its travel (0: open, 1: closed) by which the hand has closed at the distance `opening_m` (m) of its pads.
     pub fn closing(&self, opening_m: f64) -> f64 {
         if self.is_linear {

@@ -19,7 +19,7 @@ pub struct ClosedHand {
     pub hold: Hold,
     /// Distance between the fingers, in metres.
     pub opening_m: f64,
-    /// Travel of the finger that touches last, after the first one touches, in metres.
+    /// Travel of the pad of the finger that touches last, after the first one touches, in metres.
     pub uneven_m: f64,
     /// Share of its travel at which each finger touches, from 0 (open) to 1.
     pub touching: Vec<f64>,
@@ -86,7 +86,8 @@ impl ClosingHand {
     /// touch nothing else. `scratch` is that of [`Self::holding`].
     ///
     /// # Errors
-    /// The reason why the hand does not hold the target: a finger touches nothing, or meets something else while closing.
+    /// The reason why the hand does not hold the target: a finger touches nothing, or touches it beside its pad, or meets something
+    /// else while closing.
     ///
     /// # Panics
     /// If `q` has not one value per joint.
@@ -117,8 +118,12 @@ impl ClosingHand {
             let hold = Hold { tip_from_held, closing };
             self.holding.with_hold(hold).map_err(|_| FailureReason::ClosesOnNothing)
         };
-        let Closing { closing, uneven_m, touching } =
+        let Closing { closing, uneven_m, touching, beside } =
             held(0.0)?.close_on_held().ok_or(FailureReason::ClosesOnNothing)?;
+        if let Some(link) = beside {
+            let link = self.holding.robot().links()[link].name.clone();
+            return Err(FailureReason::TouchesBesidePads { link });
+        }
         let closed = held(closing)?;
         if let Some(contact) = met(&closed, &touching) {
             let [first, second] = contact.names(&closed);

@@ -137,6 +137,11 @@ pub enum FailureReason {
     Unsteady,
     /// Closing the hand turns or shifts the object too far for it to be put down at the goal.
     TurnsInHand,
+    /// A link of a finger touched the object before the pad of that finger:
+    TouchesBesidePads {
+        /// Name of the link.
+        link: String,
+    },
     /// The fingers collided while they closed on the object:
     ClosingCollides {
         /// First of the colliding pair.
@@ -307,6 +312,9 @@ impl FailureReason {
             Self::TurnsInHand => {
                 "the hand turns or shifts the object there while it closes, so that it cannot be put down"
                     .to_owned()
+            }
+            Self::TouchesBesidePads { link } => {
+                format!("reached, but {link} touches the object there before a pad does")
             }
             Self::ClosingCollides { first, second } => {
                 format!("reached, but the fingers cannot close: {first} against {second}")
