@@ -86,7 +86,7 @@ pub fn run_campaign(
         first_seed,
         time_limit_s: seconds("time_limit_s", time_limit_s)?.as_secs_f64(),
         iteration_limit: iterations,
-        memory_limit_bytes: memory_limit_mb.saturating_mul(1 << 20),
+        memory_limit_bytes: memory_limit_mb.saturating_mul(cranny_bench::MEGABYTE),
         judge_both,
         measure_clearance,
         demand: PathDemand {

@@ -375,6 +375,16 @@ pub enum BenchError {
         /// The value of the figure.
         value: f64,
     },
+    /// A trial is solved after its time limit, which no campaign records.
+    #[error("trial {trial}: it is solved after {time_s} s, but its time limit is {limit_s} s")]
+    Late {
+        /// Number of the trial.
+        trial: u64,
+        /// Time of the search, in seconds.
+        time_s: f64,
+        /// Time limit, in seconds.
+        limit_s: f64,
+    },
     /// The results contain no trial to report.
     #[error("{results}: the results contain no trial; add trials with `cranny bench run -o {results}`")]
     NoTrials {

@@ -11,7 +11,7 @@ mod error;
 mod tally;
 
 pub use asked::campaign::{
-    Campaign, CampaignPlanner, Exception, MOST_MEMORY_MB, MOST_TIME_LIMIT_S, MOST_TRIALS, Schedule,
+    Campaign, CampaignPlanner, Exception, MEGABYTE, MOST_MEMORY_MB, MOST_TIME_LIMIT_S, MOST_TRIALS, Schedule,
 };
 pub use asked::carry_to::CarryTo;
 pub use asked::path_demand::PathDemand;

@@ -55,7 +55,7 @@ fn a_campaign_file_says_everything_that_a_campaign_has() {
     assert_eq!(exec.name, "exec:planner.sh");
     assert_eq!(campaign.criteria, [Criterion::Exact, Criterion::Paper]);
     assert_eq!((campaign.runs, campaign.first_seed, campaign.iteration_limit), (20, 100, Some(100_000)));
-    assert_eq!((campaign.memory_limit_bytes, campaign.judge_both), (512 << 20, true));
+    assert_eq!((campaign.memory_limit_bytes, campaign.judge_both), (512_000_000, true));
     let exception = Exception { scenario: "045".into(), planner: "reach".into(), time_limit_s: 900.0 };
     assert_eq!(campaign.exceptions, [exception]);
 }

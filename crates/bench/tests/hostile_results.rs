@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::fixture::{information, record, trial};
+use cranny_bench::report::Summary;
 use cranny_bench::{BenchError, Results};
 use rusqlite::Connection;
 
@@ -113,6 +114,29 @@ fn values_of_another_type_are_an_error_and_not_a_guess() {
         let path = results(folder.path());
         change(&path, &format!("UPDATE trials SET path = {bytes}"));
         let _ = Results::open(&path).expect("results").path_of(1);
+    }
+}
+
+#[test]
+fn a_solved_trial_without_a_path_and_a_path_that_is_cut_are_not_reported() {
+    for (changes, says) in [
+        ("path = NULL", "trial 2: 'solved without a path' is not a valid result"),
+        ("path = x'02000000'", "trial 2: 'solved without a path' is not a valid result"),
+        ("path = x''", "trial 2: 'solved without a path' is not a valid result"),
+        ("path = substr(path, 1, 12)", "trial 2: '12 bytes' is not a valid path"),
+        ("path = substr(path, 1, 19), outcome = 'rejected'", "trial 2: '19 bytes' is not a valid path"),
+        ("path = 'texts'", "trial 2: '5 bytes' is not a valid path"),
+        ("planning_time_s = 120.5", "trial 2: it is solved after 120.5 s, but its time limit is 120 s"),
+        ("time_limit_s = 0", "trial 2: its time limit is 0"),
+        ("path = NULL, outcome = 'gave-up'", ""),
+        ("planning_time_s = 121, outcome = 'rejected'", ""),
+    ] {
+        let folder = folder();
+        let path = results(folder.path());
+        change(&path, &format!("UPDATE trials SET {changes} WHERE id = 2"));
+        let report = Summary::of_results(&Results::open(&path).expect("results"));
+        let fault = report.err().map(|fault| fault.to_string()).unwrap_or_default();
+        assert!(fault.contains(says) && fault.is_empty() == says.is_empty(), "{changes}: {fault}");
     }
 }
 

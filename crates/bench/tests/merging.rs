@@ -107,6 +107,8 @@ fn figures_that_no_report_accepts_are_not_merged() {
     for (table, sql) in [
         ("trials", "UPDATE trials SET planning_time_s = -5"),
         ("trials", "UPDATE trials SET time_limit_s = 9e999"),
+        ("trials", "UPDATE trials SET time_limit_s = 0"),
+        ("trials", "UPDATE trials SET planning_time_s = 120.5"),
         ("runs", "UPDATE runs SET cores = -1"),
     ] {
         let files = Files::new();

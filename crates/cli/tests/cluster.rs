@@ -51,11 +51,17 @@ fn parts_that_are_run_one_by_one_give_the_same_whole() {
     for part in 1..=3 {
         let (shard, output) = (format!("{part}/3"), format!("part-{part}.db"));
         said(path, &["bench", "run", "campaign.yaml", "--shard", &shard, "-o", &output], 0);
-        let status = said(path, &["bench", "status", "part-1.db", &output], 0);
-        assert!(status.contains("100.0 %"), "{status}");
+        // One shard or two are not among the files.
+        let status = said(path, &["bench", "status", "part-1.db", &output], 1);
+        assert!(status.contains("100.0 %") && status.contains("  missing    "), "{status}");
     }
     let files = ["part-1.db", "part-2.db", "part-3.db"];
-    said(path, &[&["bench", "merge"][..], &files, &["-o", "all.db"]].concat(), 0);
+    let status = said(path, &[&["bench", "status"][..], &files].concat(), 0);
+    assert!(status.contains("8 of 8 trials") && status.contains("done       3 of 3 tasks"), "{status}");
+    let merged = said(path, &["bench", "merge", "part-1.db", "part-2.db", "-o", "two.db"], 0);
+    assert!(merged.contains("No run of shard 3/3 is among these results"), "{merged}");
+    let merged = said(path, &[&["bench", "merge"][..], &files, &["-o", "all.db"]].concat(), 0);
+    assert!(!merged.contains("No run of shard"), "{merged}");
     said(path, &["bench", "run", "campaign.yaml", "-o", "one.db"], 0);
     assert_eq!(trials(&path.join("all.db")), trials(&path.join("one.db")));
     // The trials were run twice, with different times.
@@ -65,7 +71,8 @@ fn parts_that_are_run_one_by_one_give_the_same_whole() {
     // A shard without its progress file has an unknown number of trials.
     std::fs::remove_file(path.join("part-2.json")).expect("removed");
     let status = said(path, &["bench", "status", "part-1.db", "part-2.db"], 1);
-    assert!(status.contains("unknown    1 of 2 tasks: part-2.db"), "{status}");
+    assert!(status.contains("unknown    1 of 3 tasks: part-2.db"), "{status}");
+    assert!(status.contains("missing    1 of 3 tasks: 3/3"), "{status}");
 }
 
 #[test]

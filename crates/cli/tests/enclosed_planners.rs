@@ -159,7 +159,7 @@ os._exit(0)
     let deleted = "
 file = os.open('deleted', os.O_CREAT | os.O_RDWR)
 os.unlink('deleted')
-for _ in range(180):
+for _ in range(160):
     os.write(file, bytes(1 << 20))
 held = bytearray(b'1') * (60 << 20)
 time.sleep(20)
@@ -167,7 +167,7 @@ time.sleep(20)
     for trial in enclosed(deleted, &limit).unwrap_or_default() {
         assert_eq!(trial.record.outcome, TrialOutcome::OutOfMemory, "{}", detail(&trial));
         assert!(
-            detail(&trial).contains("of these 180 MiB in files of its scratch folder"),
+            detail(&trial).contains("of these 167 MB in files of its scratch folder"),
             "{}",
             detail(&trial)
         );

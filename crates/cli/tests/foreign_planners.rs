@@ -97,6 +97,8 @@ fn a_planner_that_misbehaves_is_recorded_as_what_it_does() {
             "cat > /dev/null; echo '{\"outcome\": \"no-reachable-grasp\", \"statistics\": {\"iterations\": 5}}'\n",
             &segments("reach"),
             &segments("carry"),
+            "sleep 0.6; echo '{\"outcome\": \"no-reachable-grasp\"}'\n",
+            "echo '{\"outcome\": \"gave-up\", \"waypoints\": [[0, 0, 0, 0, 0, 0, 0, 0, 0]]}'\n",
         ],
         &["--time-limit", "0.5"],
     );
@@ -114,9 +116,11 @@ fn a_planner_that_misbehaves_is_recorded_as_what_it_does() {
     assert_each(&trials, "p7", TrialOutcome::Rejected, "deep in left wall");
     assert_each(&trials, "p8", TrialOutcome::Rejected, "off the start");
     assert_each(&trials, "p9", TrialOutcome::GaveUp, "without a path");
-    assert_each(&trials, "p10", TrialOutcome::NoReachableGrasp, "");
+    assert_each(&trials, "p10", TrialOutcome::NoReachableGrasp, "it states 'no-reachable-grasp'");
     assert_each(&trials, "p11", TrialOutcome::Rejected, "off the start");
     assert_each(&trials, "p12", TrialOutcome::Garbled, "holds an object that was not picked");
+    assert_each(&trials, "p13", TrialOutcome::BudgetExhausted, "it states 'no-reachable-grasp'");
+    assert_each(&trials, "p14", TrialOutcome::Garbled, "'gave-up', but there are way points");
     assert!(trials.iter().any(|trial| trial.record.statistics.iterations == 5));
     // No process is left running.
     let listing = std::process::Command::new("ps").args(["-eo", "args"]).output().expect("ps");
@@ -176,7 +180,7 @@ fn a_planner_that_eats_memory_is_ended() {
         &["awk 'BEGIN {s = \"xxxxxxxxxxxxxxxx\"; while (1) s = s s}'\n"],
         &["--memory-limit", "100", "--time-limit", "20"],
     );
-    assert_each(&trials, "p0", TrialOutcome::OutOfMemory, "MiB");
+    assert_each(&trials, "p0", TrialOutcome::OutOfMemory, " MB");
 }
 
 #[test]

@@ -52,13 +52,13 @@ fn a_grasp_of_a_scenario_is_tried_and_recorded() {
     assert!(recording.bodies.iter().any(|body| body.is_grasped) && recording.times_s.len() > 10);
     let render = |words: &str| {
         let mut command = Command::cargo_bin("cranny").expect("the program");
-        let command = command.current_dir(folder).args(["render", "three.json", "--size", "32x24"]);
+        let command = command.current_dir(folder).args(["render", "three.json"]);
         command.args(words.split_whitespace()).output().expect("it runs")
     };
     for (words, file, head) in [
-        ("-o a.gif --rate 5", "a.gif", &b"GIF8"[..]),
-        ("-o a.png --time 0.1", "a.png", b"\x89PNG"),
-        ("-o frames/ --rate 1", "frames/0001.png", b"\x89PNG"),
+        ("-o a.gif --rate 5 --size 32x24", "a.gif", &b"GIF8"[..]),
+        ("-o a.png --time 0.1 --size 32x24", "a.png", b"\x89PNG"),
+        ("-o frames/ --rate 1 --size 32x24", "frames/0001.png", b"\x89PNG"),
         ("-o a.html", "a.html", b"<!"),
     ] {
         let output = render(words);

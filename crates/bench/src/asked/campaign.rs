@@ -18,8 +18,11 @@ pub const MOST_TRIALS: u64 = 1_000_000;
 /// Maximum time limit of a trial, in seconds (116 days). No clock overflows below it.
 pub const MOST_TIME_LIMIT_S: f64 = 1e7;
 
-/// Maximum memory limit of a search, in MB (16 TiB). It exceeds any machine, and its bytes still fit the counter.
+/// Maximum memory limit of a search, in MB (17 TB). It exceeds any machine, and its bytes still fit the counter.
 pub const MOST_MEMORY_MB: u64 = 1 << 24;
+
+/// Bytes in an MB of a campaign, of its results and its reports.
+pub const MEGABYTE: u64 = 1_000_000;
 
 /// Campaign: every scenario by every planner under every criterion with every seed.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +90,7 @@ impl Default for Campaign {
             first_seed: 0,
             time_limit_s: 120.0,
             iteration_limit: None,
-            memory_limit_bytes: 4 << 30,
+            memory_limit_bytes: 4096 * MEGABYTE,
             judge_both: false,
             measure_clearance: true,
             demand: PathDemand::default(),
@@ -400,7 +403,7 @@ impl Campaign {
             let range = "below 2^63";
             return Err(BenchError::Range { what: "the iteration limit", value: limit as f64, range });
         }
-        let memory_mb = self.memory_limit_bytes >> 20;
+        let memory_mb = self.memory_limit_bytes / MEGABYTE;
         if !(1..=MOST_MEMORY_MB).contains(&memory_mb) {
             let range = "at least 1 and at most 16777216 MB";
             return Err(BenchError::Range { what: "the memory limit", value: memory_mb as f64, range });

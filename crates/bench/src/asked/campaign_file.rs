@@ -13,7 +13,7 @@ use serde_saphyr::{Location, Spanned};
 
 use crate::asked::campaign::{checked_hold, checked_margin, checked_time_limit, checked_tries, checked_turn};
 use crate::asked::scenario_choice::matches;
-use crate::{BenchError, Campaign, CampaignPlanner, CarryTo, Exception, PathDemand, PlannerCall};
+use crate::{BenchError, Campaign, CampaignPlanner, CarryTo, Exception, MEGABYTE, PathDemand, PlannerCall};
 
 /// Content of a campaign file.
 #[derive(Deserialize)]
@@ -169,7 +169,7 @@ impl Campaign {
             iteration_limit: entry.iteration_limit,
             memory_limit_bytes: entry
                 .memory_limit_mb
-                .map_or(default.memory_limit_bytes, |mb| mb.saturating_mul(1 << 20)),
+                .map_or(default.memory_limit_bytes, |mb| mb.saturating_mul(MEGABYTE)),
             judge_both: entry.judge_both.unwrap_or(default.judge_both),
             measure_clearance: entry.measure_clearance.unwrap_or(default.measure_clearance),
             demand: PathDemand {

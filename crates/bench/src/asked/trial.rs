@@ -102,6 +102,11 @@ impl TrialOutcome {
         }
     }
 
+    /// Returns true for an outcome of a trial without a path that an external program can state, unless it spent its budget.
+    pub(crate) fn is_stated_without_path(self) -> bool {
+        matches!(self, Self::GaveUp | Self::NoReachableGrasp | Self::StartInvalid | Self::GoalsInvalid)
+    }
+
     /// Returns the name in files and reports.
     pub fn name(self) -> &'static str {
         self.into()

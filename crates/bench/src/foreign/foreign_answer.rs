@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use cranny_path::{AuditLimits, PathError};
-use cranny_plan::{Outcome, Statistics};
+use cranny_plan::Statistics;
 use cranny_task::{Segment, Stage, check_segments, joined, number_stages};
 use serde::Deserialize;
+use strum::IntoStaticStr;
 
 use crate::TrialOutcome;
 
@@ -14,6 +15,8 @@ use crate::TrialOutcome;
 pub struct ForeignAnswer {
     /// Outcome if there is no path.
     pub outcome: TrialOutcome,
+    /// Outcome in the words of the program, if it states one and there is no path.
+    pub stated: Option<&'static str>,
     /// Segments of its path; empty if it found none.
     pub segments: Vec<Segment>,
     /// Statistics reported by the program.
@@ -32,9 +35,39 @@ struct Document {
     #[serde(default)]
     segments: Option<Vec<Segment>>,
     #[serde(default)]
-    outcome: Option<Outcome>,
+    outcome: Option<StatedOutcome>,
     #[serde(default)]
     statistics: ForeignStatistics,
+}
+
+/// Outcome that a program may state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, IntoStaticStr)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+enum StatedOutcome {
+    Solved,
+    BudgetExhausted,
+    GaveUp,
+    ClaimedNotProven,
+    StartInvalid,
+    GoalsInvalid,
+    NoReachableGrasp,
+    RegionOutOfReach,
+}
+
+impl StatedOutcome {
+    /// Returns the outcome of a trial without a path.
+    fn without_path(self) -> TrialOutcome {
+        match self {
+            Self::Solved | Self::BudgetExhausted => TrialOutcome::BudgetExhausted,
+            // Nobody has seen the path that a program claims.
+            Self::GaveUp | Self::ClaimedNotProven => TrialOutcome::GaveUp,
+            Self::StartInvalid => TrialOutcome::StartInvalid,
+            Self::GoalsInvalid => TrialOutcome::GoalsInvalid,
+            // No trial has a region as its goal.
+            Self::NoReachableGrasp | Self::RegionOutOfReach => TrialOutcome::NoReachableGrasp,
+        }
+    }
 }
 
 #[derive(Default, Deserialize)]
@@ -66,6 +99,7 @@ pub fn read_output(output: &[u8], joints: usize, stages: &[Stage]) -> Result<For
         check_stages(stages, &segments)?;
         return Ok(ForeignAnswer {
             outcome: TrialOutcome::BudgetExhausted,
+            stated: None,
             segments,
             statistics: Statistics::default(),
         });
@@ -109,19 +143,19 @@ pub fn read_output(output: &[u8], joints: usize, stages: &[Stage]) -> Result<For
     {
         return Err(format!("the statistics contain the count {count}, which is too large"));
     }
-    let outcome = match document.outcome.unwrap_or(Outcome::BudgetExhausted) {
-        Outcome::Solved if segments.is_empty() => {
+    let stated = document.outcome.map(<&str>::from);
+    match document.outcome {
+        Some(StatedOutcome::Solved) if segments.is_empty() => {
             return Err("the outcome is 'solved', but there are no way points".to_owned());
         }
-        Outcome::Cancelled => {
-            return Err("the outcome is 'cancelled', but the program was not stopped".to_owned());
+        Some(outcome) if outcome != StatedOutcome::Solved && !segments.is_empty() => {
+            return Err(format!("the outcome is '{}', but there are way points", <&str>::from(outcome)));
         }
-        // Nobody has seen the path that a program claims.
-        Outcome::ClaimedNotProven => TrialOutcome::GaveUp,
-        outcome => TrialOutcome::without_path(outcome),
-    };
+        _ => {}
+    }
     Ok(ForeignAnswer {
-        outcome,
+        outcome: document.outcome.map_or(TrialOutcome::BudgetExhausted, StatedOutcome::without_path),
+        stated: stated.filter(|_| segments.is_empty()),
         segments,
         statistics: Statistics {
             iterations,
@@ -217,7 +251,7 @@ pub fn read_released(prefix: &Path, joints: usize) -> Result<ForeignAnswer, Stri
         ..Statistics::default()
     };
     let segments = reach_along(path);
-    Ok(ForeignAnswer { outcome: TrialOutcome::BudgetExhausted, segments, statistics })
+    Ok(ForeignAnswer { outcome: TrialOutcome::BudgetExhausted, stated: None, segments, statistics })
 }
 
 /// Parses way points, one a line; blank lines are skipped.
@@ -325,8 +359,44 @@ mod tests {
             let answer = read_output(text.as_bytes(), 2, &[]).unwrap();
             assert_eq!((answer.outcome, answer.segments.len()), (TrialOutcome::BudgetExhausted, 0));
         }
-        let answer = read_output(b"{\"outcome\": \"no-reachable-grasp\"}", 2, &[]).unwrap();
-        assert_eq!(answer.outcome, TrialOutcome::NoReachableGrasp);
+        for (stated, recorded) in [
+            ("no-reachable-grasp", TrialOutcome::NoReachableGrasp),
+            ("region-out-of-reach", TrialOutcome::NoReachableGrasp),
+            ("claimed-not-proven", TrialOutcome::GaveUp),
+            ("gave-up", TrialOutcome::GaveUp),
+            ("start-invalid", TrialOutcome::StartInvalid),
+            ("goals-invalid", TrialOutcome::GoalsInvalid),
+        ] {
+            let text = serde_json::json!({"outcome": stated}).to_string();
+            let answer = read_output(text.as_bytes(), 2, &[]).unwrap();
+            assert_eq!((answer.outcome, answer.stated), (recorded, Some(stated)));
+            let text = serde_json::json!({"outcome": stated, "waypoints": [[1, 2]]}).to_string();
+            let fault = read_output(text.as_bytes(), 2, &[]).unwrap_err();
+            assert_eq!(fault, format!("the outcome is '{stated}', but there are way points"));
+        }
+    }
+
+    #[test]
+    fn an_unknown_outcome_is_refused_with_those_that_a_program_may_state() {
+        for unknown in ["cancelled", "rejected", "solvd"] {
+            let text = serde_json::json!({"outcome": unknown}).to_string();
+            let fault = read_output(text.as_bytes(), 2, &[]).unwrap_err();
+            let (_, known) = fault.split_once("expected one of ").unwrap();
+            let known = known.split([',', ' ']).map(|word| word.trim_matches(['`', '\'']));
+            let known: Vec<&str> = known.filter(|word| !word.is_empty()).collect();
+            let accepted = [
+                "solved",
+                "budget-exhausted",
+                "gave-up",
+                "claimed-not-proven",
+                "start-invalid",
+                "goals-invalid",
+                "no-reachable-grasp",
+                "region-out-of-reach",
+            ];
+            assert_eq!(known, accepted, "{fault}");
+            assert!(fault.contains(unknown), "{fault}");
+        }
     }
 
     #[test]
@@ -339,7 +409,6 @@ mod tests {
         assert!(fault(b"{\"waypoints\":\n [[1, ").contains("line 2"));
         assert!(fault(b"{\"outcome\": \"solved\"}").contains("no way points"));
         assert!(fault(b"{\"way_points\": []}").contains("way_points"));
-        assert!(fault(b"{\"outcome\": \"cancelled\"}").contains("'cancelled'"));
         assert!(fault(b"{\"statistics\": {\"iterations\": 18446744073709551615}}").contains("too large"));
         assert!(fault(&[0xff, 0xfe, 0x00]).contains("UTF-8"));
     }

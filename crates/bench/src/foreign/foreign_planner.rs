@@ -20,7 +20,7 @@ use crate::running::opened_scenario::OpenedScenario;
 use crate::running::worker_message::{Message, Request};
 use crate::store::exports::{ExportFolder, folders_of_campaigns};
 use crate::store::hidden_results::results_beside;
-use crate::{BenchError, CarryTo, PathDemand, PlannerCall, TrialOutcome, TrialRecord};
+use crate::{BenchError, CarryTo, MEGABYTE, PathDemand, PlannerCall, TrialOutcome, TrialRecord};
 
 /// External program, with the files of one scenario.
 pub struct ForeignPlanner {
@@ -134,13 +134,10 @@ impl ForeignPlanner {
         let answer = match ending {
             Ending::Hung => without(TrialOutcome::Hung, Some(format!("ended after {elapsed_s:.1} s"))),
             Ending::OutOfMemory { bytes, scratch_bytes } => {
-                let mut detail = format!("held {} MiB", bytes >> 20);
-                if scratch_bytes >> 20 > 0 {
-                    let _ = write!(
-                        detail,
-                        ", of these {} MiB in files of its scratch folder",
-                        scratch_bytes >> 20
-                    );
+                let mut detail = format!("held {} MB", bytes / MEGABYTE);
+                if scratch_bytes >= MEGABYTE {
+                    let scratch_mb = scratch_bytes / MEGABYTE;
+                    let _ = write!(detail, ", of these {scratch_mb} MB in files of its scratch folder");
                 }
                 without(TrialOutcome::OutOfMemory, Some(detail))
             }
@@ -174,9 +171,10 @@ impl ForeignPlanner {
                     foreign_answer::read_output(&output, joints, task.stages)
                 };
                 match read {
-                    Ok(ForeignAnswer { outcome, segments, statistics }) => {
+                    Ok(ForeignAnswer { outcome, stated, segments, statistics }) => {
                         let statistics = Statistics { planning_time_s: elapsed_s, ..statistics };
-                        (TrialRecord::without_path(trial, outcome, None, statistics), segments)
+                        let detail = stated.map(|word| format!("it states '{word}'"));
+                        (TrialRecord::without_path(trial, outcome, detail, statistics), segments)
                     }
                     Err(fault) => without(TrialOutcome::Garbled, Some(fault)),
                 }

@@ -11,7 +11,7 @@ pub struct Machine {
     pub machine: String,
     /// Name of its processor.
     pub processor: String,
-    /// Number of simultaneous trials; times are undisturbed only with one.
+    /// Number of simultaneous trials; times are undisturbed only with one. 0 if unknown.
     pub workers: usize,
     /// Version of Cranny.
     pub version: String,

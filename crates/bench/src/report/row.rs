@@ -92,9 +92,9 @@ pub struct Row {
     pub median_iterations_high: Option<f64>,
     /// Number of runs by outcome.
     pub outcomes: BTreeMap<&'static str, usize>,
-    /// Iterations of the solved runs.
+    /// Iterations of the solved runs; `None` if all are 0, as of a planner that counts none.
     pub iterations: Option<FiveNumbers>,
-    /// Nodes of the search trees of the solved runs.
+    /// Nodes of the search trees of the solved runs; `None` if all are 0, as of a planner that counts none.
     pub nodes: Option<FiveNumbers>,
     /// Lengths of the paths.
     pub path_length: Option<FiveNumbers>,
@@ -296,8 +296,8 @@ fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[
         median_iterations_low: median_of_iterations.map(|(low, _)| low),
         median_iterations_high: median_of_iterations.and_then(|(_, high)| high),
         outcomes,
-        iterations: of_solved(|record| told(record.statistics.iterations)),
-        nodes: of_solved(|record| told(record.statistics.nodes)),
+        iterations: told(of_solved(|record| Some(record.statistics.iterations as f64))),
+        nodes: told(of_solved(|record| Some(record.statistics.nodes as f64))),
         path_length: of_solved(|record| record.path_length),
         clearance_m: of_solved(|record| record.clearance_m),
         grasp_score: of_solved(|record| record.grasp_score),
@@ -309,9 +309,9 @@ fn row(configuration: &Configuration, names: &Names, goals: &[GoalRow], runs: &[
     }
 }
 
-/// Returns a count, or `None` for zero, which means that it is not reported: a successful search makes an iteration and a node.
-fn told(count: u64) -> Option<f64> {
-    (count > 0).then_some(count as f64)
+/// Returns counts, or `None` if all are zero: their planner does not report them.
+fn told(counts: Option<FiveNumbers>) -> Option<FiveNumbers> {
+    counts.filter(|counts| counts.greatest > 0.0)
 }
 
 /// Returns the time limit, or the longest follow-up if the iteration limit ended all runs before.

@@ -60,6 +60,7 @@ fn described(run: &Run) -> String {
     let commit: String = information.commit.iter().flat_map(|commit| commit.chars().take(10)).collect();
     let built = format!("Cranny {} {commit}", information.version);
     let workers = match information.workers {
+        0 => ", unknown number of workers".to_owned(),
         1 => String::new(),
         workers => format!(", {workers} workers"),
     };

@@ -11,7 +11,8 @@ use crate::report::row::{GoalRow, Group, Row};
 use crate::report::split_row::{SplitRow, split_rows};
 use crate::report::warning::{few_runs, warnings};
 use crate::report::worst_trial::{WorstTrial, worst_trials};
-use crate::{BenchError, Results, Run, ScenarioSource, StoredTrial};
+use crate::store::results_row;
+use crate::{BenchError, Results, Run, ScenarioSource, Shard, StoredTrial};
 
 /// All figures of a report, regardless of the order of the trials. Pages, tables and plots derive from it alone and thus agree.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -61,8 +62,10 @@ impl Summary {
     /// Computes the summary of all trials in `results`.
     ///
     /// # Errors
-    /// Those of reading the results, and those of [`Self::of`].
+    /// Those of reading the results, and those of [`Self::of`]; [`BenchError::Row`] if a trial is solved without a path, or its
+    /// path is cut.
     pub fn of_results(results: &Results) -> Result<Self, BenchError> {
+        results_row::check_paths(results)?;
         Self::of(&SummarySource {
             results: &results.path().display().to_string(),
             trials: &results.trials()?,
@@ -74,7 +77,8 @@ impl Summary {
     /// Computes the summary of `source`.
     ///
     /// # Errors
-    /// [`BenchError::NoTrials`]; [`BenchError::Figure`] if a time, a length or a score is negative or not finite.
+    /// [`BenchError::NoTrials`]; [`BenchError::Figure`] if a time, a length or a score is negative or not finite, or a time limit
+    /// is 0; [`BenchError::Late`] if a trial is solved after its time limit.
     pub fn of(source: &SummarySource) -> Result<Self, BenchError> {
         if source.trials.is_empty() {
             return Err(BenchError::NoTrials { results: source.results.to_owned() });
@@ -96,7 +100,9 @@ impl Summary {
         let pools = pools(&groups);
         let Comparisons { compared: comparisons, note } = comparisons(&groups);
         // A page with too many warnings contains the first ones.
-        let general = note.into_iter().chain(few_runs(&groups, &comparisons));
+        let commands = source.runs.iter().map(|run| run.information.command.as_str());
+        let general =
+            Shard::missing_among(commands).into_iter().chain(note).chain(few_runs(&groups, &comparisons));
         let warnings = general.chain(warnings(&groups, source.runs)).collect();
         Ok(Self {
             results: source.results.to_owned(),

@@ -5,7 +5,8 @@ use crate::report::comparison::{Comparison, Finding};
 use crate::report::configuration::NO_GRASP_SET;
 use crate::report::row::Group;
 use crate::statistics::LEAST_FOR_MEDIAN;
-use crate::{Isolation, Run, RunInformation, StoredTrial, TrialOutcome};
+use crate::store::run_information::UNKNOWN;
+use crate::{Isolation, MEGABYTE, Run, RunInformation, StoredTrial, TrialOutcome};
 use cranny_file::counted;
 
 /// Returns the warnings about the validity of the figures, in one sentence each.
@@ -20,20 +21,24 @@ pub fn warnings(groups: &[Group], runs: &[Run]) -> Vec<String> {
         ));
     }
     let machine =
-        |run: &RunInformation| format!("{} ({}, {})", run.machine, run.processor, counted(run.cores, "core"));
+        |run: &RunInformation| format!("{} ({}, {})", run.machine, run.processor, known(run.cores, "core"));
     warnings.extend(pooled(groups, &runs, "machines", machine));
     let built = |run: &RunInformation| {
         run.commit.as_ref().map_or(run.version.clone(), |commit| format!("{} ({commit})", run.version))
     };
     warnings.extend(pooled(groups, &runs, "versions of Cranny", built));
-    warnings.extend(pooled(groups, &runs, "numbers of workers", |run| run.workers.to_string()));
+    warnings.extend(pooled(groups, &runs, "numbers of workers", |run| known(run.workers, "worker")));
     let limit = |run: &RunInformation| {
-        run.memory_limit_bytes.map_or_else(|| "unknown".to_owned(), |bytes| format!("{} MB", bytes >> 20))
+        run.memory_limit_bytes.map_or_else(|| UNKNOWN.to_owned(), |bytes| format!("{} MB", bytes / MEGABYTE))
     };
     warnings.extend(pooled(groups, &runs, "memory limits", limit));
-    let sandbox = |run: &RunInformation| run.sandbox.clone().unwrap_or_else(|| "none".to_owned());
+    let sandbox = |run: &RunInformation| {
+        let absent = if run.is_older() { UNKNOWN } else { "none" };
+        run.sandbox.clone().unwrap_or_else(|| absent.to_owned())
+    };
     warnings.extend(pooled(groups, &runs, "sandboxes", sandbox));
     warnings.extend(without_namespaces(groups, &runs));
+    warnings.extend(unknown_sandbox(groups, &runs));
     warnings.extend(other_problem(groups));
     warnings.extend(same_paths(groups));
     warnings.extend(unsolved_for_other_reasons(groups));
@@ -92,20 +97,44 @@ fn pooled(
     ))
 }
 
+/// Formats a count of a run, of which 0 stands for an unknown one.
+fn known(count: usize, noun: &str) -> String {
+    if count == 0 { format!("an unknown number of {noun}s") } else { counted(count, noun) }
+}
+
+/// Returns the number of rows of external programs with a trial whose run `is_met`; `None` stands for a missing run.
+fn rows_of_programs(
+    groups: &[Group],
+    runs: &BTreeMap<u64, &RunInformation>,
+    is_met: impl Fn(Option<&RunInformation>) -> bool,
+) -> usize {
+    // All trials of a row have the same planner.
+    let is_of_program = |group: &Group| group.runs.iter().any(|trial| !trial.record.trial.is_built_in());
+    let has = |group: &Group| group.runs.iter().any(|trial| is_met(runs.get(&trial.run).copied()));
+    groups.iter().filter(|group| is_of_program(group) && has(group)).count()
+}
+
 /// Returns a warning about rows of external programs that ran without namespaces.
 fn without_namespaces(groups: &[Group], runs: &BTreeMap<u64, &RunInformation>) -> Option<String> {
-    let has_none = |trial: &StoredTrial| {
-        runs.get(&trial.run).is_some_and(|run| !Isolation::text_has_namespaces(run.sandbox.as_deref()))
-    };
-    // All trials of a row have the same planner.
-    let is_open = |group: &&Group| {
-        group.runs.iter().find(|trial| has_none(trial)).is_some_and(|trial| !trial.record.trial.is_built_in())
-    };
-    let rows = groups.iter().filter(is_open).count();
+    let rows = rows_of_programs(groups, runs, |run| {
+        run.is_some_and(|run| !run.is_older() && !Isolation::text_has_namespaces(run.sandbox.as_deref()))
+    });
     (rows > 0).then(|| {
         format!(
             "{rows} of {} rows are of external programs that ran without namespaces: such a program can slow down other \
              trials, and leave notes for its next one.",
+            groups.len()
+        )
+    })
+}
+
+/// Returns a warning about rows of external programs whose sandbox is not recorded.
+fn unknown_sandbox(groups: &[Group], runs: &BTreeMap<u64, &RunInformation>) -> Option<String> {
+    let rows = rows_of_programs(groups, runs, |run| run.is_none_or(RunInformation::is_older));
+    (rows > 0).then(|| {
+        format!(
+            "{rows} of {} rows are of external programs whose sandbox is unknown: their runs are missing, or were recorded by \
+             an older version.",
             groups.len()
         )
     })
@@ -122,15 +151,11 @@ fn other_problem(groups: &[Group]) -> Option<String> {
     })
 }
 
-/// Returns true for an outcome that a program can choose, before its limit and without a path.
-fn is_without_path(outcome: TrialOutcome) -> bool {
-    matches!(
-        outcome,
-        TrialOutcome::GaveUp
-            | TrialOutcome::NoReachableGrasp
-            | TrialOutcome::StartInvalid
-            | TrialOutcome::GoalsInvalid
-    )
+/// Returns true for a trial of an external program that ended without a path before its limit.
+fn is_ended_by_program(trial: &StoredTrial) -> bool {
+    let record = &trial.record;
+    let has_time_left = record.statistics.planning_time_s < record.trial.time_limit_s;
+    !record.trial.is_built_in() && record.outcome.is_stated_without_path() && has_time_left
 }
 
 /// Returns warnings for each planner about trials that count as unsolved up to their limit although their search did not show
@@ -139,7 +164,7 @@ fn unsolved_for_other_reasons(groups: &[Group]) -> Vec<String> {
     type Kind = (fn(&StoredTrial) -> bool, &'static str);
     const KINDS: [Kind; 3] = [
         (
-            |trial| !trial.record.trial.is_built_in() && is_without_path(trial.record.outcome),
+            is_ended_by_program,
             "ended without a path before the time limit; whatever the program states about its iterations, they count as \
              unsolved up to the limit",
         ),

@@ -6,6 +6,7 @@ use cranny_plan::{Budget, Registry};
 use cranny_solve::{DEFAULT_HOLD, Timing};
 use cranny_task::{Criterion, Goal, Stage, joined};
 
+use crate::asked::trial::short_detail;
 use crate::foreign::foreign_planner::{ForeignPlanner, ForeignTask};
 use crate::foreign::process_group::Leash;
 use crate::running::built_in_search::{Found, Tell};
@@ -140,10 +141,13 @@ const EARLY: f64 = 0.05;
 
 /// Changes the outcome of a trial without a path to "gave up" if the planner ended before its budget was spent: it would
 /// otherwise be censored, as if a path could have followed. The number of iterations that an external program states is not
-/// trusted, and a campaign cancels no search.
+/// trusted, and a campaign cancels no search. At its time limit the budget of a program is spent, whatever it states.
 fn given_up(record: TrialRecord) -> TrialRecord {
     let TrialRecord { trial, outcome, statistics, .. } = &record;
     let time_s = statistics.planning_time_s;
+    if !trial.is_built_in() && outcome.is_stated_without_path() && time_s >= trial.time_limit_s {
+        return TrialRecord { outcome: TrialOutcome::BudgetExhausted, ..record };
+    }
     let is_counted = |limit| trial.is_built_in() && statistics.iterations >= limit;
     let has_iterations_left = !trial.iteration_limit.is_some_and(is_counted);
     let has_time_left = time_s < (1.0 - EARLY) * trial.time_limit_s;
@@ -151,8 +155,11 @@ fn given_up(record: TrialRecord) -> TrialRecord {
     if !is_stopped || !has_time_left || !has_iterations_left {
         return record;
     }
-    let detail = format!("it ended without a path after {time_s:.3} of {} s", trial.time_limit_s);
-    TrialRecord { outcome: TrialOutcome::GaveUp, detail: record.detail.or(Some(detail)), ..record }
+    let mut detail = format!("it ended without a path after {time_s:.3} of {} s", trial.time_limit_s);
+    if let Some(own) = &record.detail {
+        detail = short_detail(&format!("{detail}; {own}"));
+    }
+    TrialRecord { outcome: TrialOutcome::GaveUp, detail: Some(detail), ..record }
 }
 
 #[cfg(test)]
@@ -189,6 +196,15 @@ mod tests {
             }
             assert_eq!(outcome(program, BudgetExhausted, 9.9, 5), BudgetExhausted);
         }
+        for stated in [NoReachableGrasp, TrialOutcome::StartInvalid, TrialOutcome::GoalsInvalid, GaveUp] {
+            assert_eq!(outcome(r#"{"exec":["sh","x"]}"#, stated, 9.9, 0), stated);
+            for time_s in [10.0, 10.3] {
+                assert_eq!(outcome(r#"{"exec":["sh","x"]}"#, stated, time_s, 0), BudgetExhausted);
+            }
+        }
+        let crashed = TrialOutcome::Crashed;
+        assert_eq!(outcome(r#"{"exec":["sh","x"]}"#, crashed, 10.3, 0), crashed);
+        assert_eq!(outcome(built_in, NoReachableGrasp, 10.3, 0), NoReachableGrasp);
         assert_eq!(outcome(built_in, BudgetExhausted, 0.02, 100), BudgetExhausted);
         assert_eq!(outcome(built_in, BudgetExhausted, 0.02, 99), GaveUp);
         assert_eq!(outcome(built_in, Cancelled, 0.02, 99), GaveUp);

@@ -14,7 +14,7 @@ use crate::foreign::process_group::Family;
 use crate::running::worker_message::{Message, Request};
 use crate::running::worker_program::WorkerProgram;
 use crate::store::exports::ExportFolder;
-use crate::{BenchError, Trial, TrialOutcome, TrialRecord};
+use crate::{BenchError, MEGABYTE, Trial, TrialOutcome, TrialRecord};
 
 /// Process that serves trials one after the other, and may end during any of them.
 pub struct WorkerProcess {
@@ -164,7 +164,7 @@ impl WorkerProcess {
                     if let (Some(held), Some(most)) = (held, memory_bytes)
                         && held > most
                     {
-                        let detail = format!("held {} MiB", held >> 20);
+                        let detail = format!("held {} MB", held / MEGABYTE);
                         let ended = self.ended(trial, TrialOutcome::OutOfMemory, detail, begin.elapsed());
                         return undecided(ended, searched_s);
                     }

@@ -5,8 +5,9 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use cranny_scenario::write_whole_file;
 use serde::{Deserialize, Serialize};
 
+use crate::store::shard::shards_at;
 use crate::tally::Tally;
-use crate::{BenchError, CampaignObserver, Results, TrialRecord};
+use crate::{BenchError, CampaignObserver, Results, Shard, TrialRecord};
 
 /// Progress of a campaign or of one of its shards. The campaign writes it beside its results while it runs, so that its
 /// progress is readable without opening results in use, possibly on another machine.
@@ -27,6 +28,9 @@ pub struct CampaignProgress {
     pub written_s: u64,
     /// Name of the machine.
     pub machine: String,
+    /// Shards of the campaign that are here; empty for a whole campaign, or if unknown.
+    #[serde(default)]
+    pub shards: Vec<Shard>,
 }
 
 impl CampaignProgress {
@@ -35,7 +39,7 @@ impl CampaignProgress {
     /// # Errors
     /// As [`Results::open`], except that the pages of the file are not checked for damage.
     pub fn of_results(path: &Path) -> Result<Self, BenchError> {
-        Ok(Self { planners: Results::glance(path)?, ..Self::default() })
+        Ok(Self { planners: Results::glance(path)?, shards: shards_at(path)?, ..Self::default() })
     }
 
     /// Reads the file of a [`ProgressFile`]; `None` if it is missing or unreadable.
@@ -84,6 +88,13 @@ impl<'a> ProgressFile<'a> {
         let progress =
             CampaignProgress { workers, machine: machine.to_owned(), ..CampaignProgress::default() };
         Self { path, progress, begin: Instant::now(), written: None, observer }
+    }
+
+    /// States the shard that the campaign runs; `None` for the whole.
+    #[must_use]
+    pub fn of_shard(mut self, shard: Option<Shard>) -> Self {
+        self.progress.shards = shard.into_iter().collect();
+        self
     }
 
     /// Writes the current progress.

@@ -40,7 +40,7 @@ const PROPERTIES: [&str; 14] = [
     "seed INTEGER",
 ];
 
-/// Bytes in an MB of OMPL.
+/// Bytes in an MB of OMPL, whose logs are compared with these; an MB of Cranny's own is [`crate::MEGABYTE`].
 const MEBIBYTE: f64 = (1_u64 << 20) as f64;
 
 /// Content of an experiment: all trials, or those of one scenario under one criterion.

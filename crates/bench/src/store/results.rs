@@ -336,6 +336,10 @@ impl Results {
                 BenchError::Figure { trial: id, figure: what, value } => {
                     BenchError::Row { path: opened.path.clone(), id, what, text: value.to_string() }
                 }
+                BenchError::Late { trial: id, time_s, limit_s } => {
+                    let text = format!("solved after {time_s} of {limit_s} s");
+                    BenchError::Row { path: opened.path.clone(), id, what: "result", text }
+                }
                 other => other,
             })
         })?;

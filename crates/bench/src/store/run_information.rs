@@ -11,7 +11,7 @@ pub struct RunInformation {
     pub processor: String,
     /// Supported vector instruction sets, of those known to Cranny.
     pub cpu_features: Vec<String>,
-    /// Number of hardware threads.
+    /// Number of hardware threads; 0 if unknown.
     pub cores: usize,
     /// Version of Cranny.
     pub version: String,
@@ -19,11 +19,11 @@ pub struct RunInformation {
     pub commit: Option<String>,
     /// Command that started the run.
     pub command: String,
-    /// Number of simultaneous workers; with more than one, times are not those of an idle machine.
+    /// Number of simultaneous workers; with more than one, times are not those of an idle machine. 0 if unknown.
     pub workers: usize,
     /// Memory limit of a search, in bytes; `None` in older results.
     pub memory_limit_bytes: Option<u64>,
-    /// Isolation of external programs; `None` if there were none, or without isolation.
+    /// Isolation of external programs; `None` if there were none, without isolation, or in older results.
     pub sandbox: Option<String>,
 }
 
@@ -42,6 +42,11 @@ impl RunInformation {
             memory_limit_bytes: None,
             sandbox: None,
         }
+    }
+
+    /// Returns true if the run is missing, or was recorded by a version that stored neither memory limit nor isolation.
+    pub(crate) fn is_older(&self) -> bool {
+        self.memory_limit_bytes.is_none() && self.sandbox.is_none()
     }
 
     /// Returns the information on a run that the results do not contain, though they contain trials of it; 0 stands for an

@@ -1,14 +1,20 @@
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt;
+use std::path::Path;
 use std::str::FromStr;
 
+use cranny_file::counted;
+use serde::{Deserialize, Serialize};
+
+use crate::store::results_file;
 use crate::{BenchError, Question, Results, Schedule};
 
-/// One of several shards of a campaign; each runs separately, on any machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// One of several shards of a campaign; each runs separately, on any machine. Its text is that of the flag, such as `3/8`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Shard {
-    index: u64,
     count: u64,
+    index: u64,
 }
 
 /// Maximum number of shards of a campaign.
@@ -17,7 +23,7 @@ pub const MOST_SHARDS: u64 = 100_000;
 impl Shard {
     /// Creates the shard `index`, from 1, of `count`; `None` if out of range.
     pub fn new(index: u64, count: u64) -> Option<Self> {
-        (1..=count.min(MOST_SHARDS)).contains(&index).then_some(Self { index, count })
+        (1..=count.min(MOST_SHARDS)).contains(&index).then_some(Self { count, index })
     }
 
     /// Returns the trials of a campaign, stored or not, that belong to this shard. The shards of any `count` partition the
@@ -93,6 +99,77 @@ fn dealt(questions: &[Question], count: u64) -> Vec<u64> {
     parts
 }
 
+/// Returns the shards whose runs are stored, by the commands of the runs; none if a run was of a whole campaign, or its
+/// command does not state its shard.
+pub fn shards_of<'a>(commands: impl IntoIterator<Item = &'a str>) -> Vec<Shard> {
+    let shards: Option<BTreeSet<Shard>> = commands.into_iter().map(shard_of_command).collect();
+    shards.into_iter().flatten().collect()
+}
+
+/// Returns the last shard that the flag of a command requests.
+fn shard_of_command(command: &str) -> Option<Shard> {
+    const FLAG: &str = "--shard";
+    let words = command.split_whitespace();
+    let values = words.clone().zip(words.skip(1)).filter_map(|(word, next)| {
+        let value = word.strip_prefix(FLAG)?;
+        if value.is_empty() { Some(next) } else { value.strip_prefix('=') }
+    });
+    // The last word has no next one.
+    let last = command.split_whitespace().last().and_then(|word| word.strip_prefix(FLAG)?.strip_prefix('='));
+    values.chain(last).last()?.parse().ok()
+}
+
+/// Returns the shards of the runs in the results at `path`, as [`shards_of`], without checking the integrity of the file.
+pub fn shards_at(path: &Path) -> Result<Vec<Shard>, BenchError> {
+    let fault = |reason| BenchError::Database { path: path.to_owned(), reason };
+    let connection = results_file::open_unseen(path)?;
+    let mut statement = connection.prepare("SELECT command FROM runs").map_err(fault)?;
+    let commands = statement.query_map([], |row| row.get(0)).and_then(Iterator::collect);
+    let commands: Vec<String> = commands.map_err(fault)?;
+    Ok(shards_of(commands.iter().map(String::as_str)))
+}
+
+impl Shard {
+    /// Returns the shards that are not among these, of the same numbers of shards.
+    pub fn missing(among: &[Self]) -> Vec<Self> {
+        let there: BTreeSet<Self> = among.iter().copied().collect();
+        let counts: BTreeSet<u64> = among.iter().map(|shard| shard.count).collect();
+        let all = counts.into_iter().flat_map(|count| (1..=count).map(move |index| Self { count, index }));
+        all.filter(|shard| !there.contains(shard)).collect()
+    }
+
+    /// Returns a sentence about the shards of which no run is among those with these commands; `None` if there are none.
+    pub fn missing_among<'a>(commands: impl IntoIterator<Item = &'a str>) -> Option<String> {
+        /// Maximum number of shards that are named.
+        const MOST: usize = 8;
+        let missing = Self::missing(&shards_of(commands));
+        let mut named: Vec<String> = missing.iter().take(MOST).map(Self::to_string).collect();
+        if missing.len() > MOST {
+            named.push(counted(missing.len() - MOST, "other"));
+        }
+        (!missing.is_empty()).then(|| {
+            format!(
+                "No run of shard {} is among these results: the campaign is not complete, unless the shard has no trials.",
+                named.join(", ")
+            )
+        })
+    }
+}
+
+impl TryFrom<String> for Shard {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<Shard> for String {
+    fn from(shard: Shard) -> Self {
+        shard.to_string()
+    }
+}
+
 impl FromStr for Shard {
     type Err = String;
 
@@ -113,5 +190,32 @@ impl FromStr for Shard {
 impl fmt::Display for Shard {
     fn fmt(&self, text: &mut fmt::Formatter) -> fmt::Result {
         write!(text, "{}/{}", self.index, self.count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_shards_of_runs_are_those_of_their_commands_and_others_are_missing() {
+        let names = |shards: &[Shard]| shards.iter().map(Shard::to_string).collect::<Vec<_>>();
+        let of = |commands: &[&str]| names(&Shard::missing(&shards_of(commands.iter().copied())));
+        let first = "cranny bench run a.yaml --shard 1/3 -o a.db";
+        assert_eq!(of(&[first, first, "cranny bench run a.yaml --shard=2/3"]), ["3/3"]);
+        assert_eq!(of(&["cranny bench run --shard=3/3 a.yaml"]), ["1/3", "2/3"]);
+        assert_eq!(of(&[first, "x --shard 2/3", "x --shard 3/3"]), [""; 0]);
+        // A run of the whole campaign, or one whose command is unknown.
+        for other in ["cranny bench run a.yaml", "unknown", "x --shard", "x --shard 4/3", "x --shards 2/3"] {
+            assert_eq!(of(&[first, other]), [""; 0], "{other}");
+        }
+        let note = Shard::missing_among(["x --shard 2/100000"]).unwrap();
+        assert!(note.contains("shard 1/100000, 3/100000, ") && note.contains(", 99991 others is"), "{note}");
+        let text = serde_json::to_string(&shards_of([first])).unwrap();
+        assert_eq!(
+            (text.as_str(), serde_json::from_str(&text).ok()),
+            (r#"["1/3"]"#, Some(shards_of([first])))
+        );
+        assert!(serde_json::from_str::<Shard>(r#""0/3""#).is_err());
     }
 }

@@ -13,10 +13,10 @@ pub struct StoredTrial {
 }
 
 impl StoredTrial {
-    /// Checks that no figure is negative or not finite.
+    /// Checks that no figure is negative or not finite, that the time limit is above 0, and that a solved trial is within it.
     ///
     /// # Errors
-    /// [`BenchError::Figure`].
+    /// [`BenchError::Figure`], [`BenchError::Late`].
     pub(crate) fn check(&self) -> Result<(), BenchError> {
         let record = &self.record;
         let figures = [
@@ -33,6 +33,14 @@ impl StoredTrial {
             {
                 return Err(BenchError::Figure { trial: self.id, figure, value });
             }
+        }
+        let (time_s, limit_s) = (record.statistics.planning_time_s, record.trial.time_limit_s);
+        if limit_s <= 0.0 {
+            return Err(BenchError::Figure { trial: self.id, figure: "time limit", value: limit_s });
+        }
+        // A path that comes later does not count, by however little.
+        if record.is_solved() && time_s > limit_s {
+            return Err(BenchError::Late { trial: self.id, time_s, limit_s });
         }
         Ok(())
     }

@@ -19,7 +19,8 @@ use crate::text;
   cranny bench export results.db -o logs/            one experiment for each scenario and criterion
   ompl_benchmark_statistics -d arena.db logs/*.log   the database that Planner Arena shows
 
-`ompl_benchmark_statistics` comes with the Python package ompl.")]
+`ompl_benchmark_statistics` comes with the Python package ompl. Memory in the log is in MB of 2^20 bytes, as in OMPL's
+own logs.")]
 pub struct ExportArguments {
     /// Results of campaigns, as `cranny bench run` wrote them
     #[arg(value_name = "RESULTS")]

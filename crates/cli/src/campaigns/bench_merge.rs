@@ -2,7 +2,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use cranny_bench::{Merged, Results};
+use cranny_bench::{Merged, Results, Shard};
 use cranny_file::counted;
 use serde::Serialize;
 
@@ -40,6 +40,8 @@ struct Answered {
     file: PathBuf,
     trials: usize,
     merged: Vec<Taken>,
+    /// Sentence about shards of the campaign of which there is no run.
+    missing: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -71,7 +73,9 @@ pub fn run(arguments: &MergeArguments, output: Output) -> Result<Answer, Failure
     let taken = others.iter().zip(taken);
     let merged =
         taken.map(|(file, Merged { added, known })| Taken { file: file.clone(), added, known }).collect();
-    let answered = Answered { file: into.path().to_owned(), trials: into.count()?, merged };
+    let runs = into.runs()?;
+    let missing = Shard::missing_among(runs.iter().map(|run| run.information.command.as_str()));
+    let answered = Answered { file: into.path().to_owned(), trials: into.count()?, merged, missing };
     text::answer(&answered, || answered.page(), output)?;
     Ok(Answer::Done)
 }
@@ -81,6 +85,9 @@ impl Answered {
         let mut page = format!("{}: {}\n", self.file.display(), counted(self.trials, "trial"));
         for Taken { file, added, known } in &self.merged {
             let _ = writeln!(page, "  {}: {added} added, {known} there already", file.display());
+        }
+        if let Some(missing) = &self.missing {
+            let _ = writeln!(page, "  {missing}");
         }
         page
     }

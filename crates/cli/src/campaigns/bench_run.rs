@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use cranny_bench::{
-    Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, CarryTo, MOST_MEMORY_MB, MOST_TRIALS,
-    Manifest, PlannerCall, ProgressFile, Results, RunInformation, RunSummary, Sandbox, Shard, TrialOutcome,
-    TrialRecord, run_campaign,
+    Campaign, CampaignObserver, CampaignPlanner, CampaignSettings, CarryTo, MEGABYTE, MOST_MEMORY_MB,
+    MOST_TRIALS, Manifest, PlannerCall, ProgressFile, Results, RunInformation, RunSummary, Sandbox, Shard,
+    TrialOutcome, TrialRecord, run_campaign,
 };
 use cranny_file::counted;
 use cranny_plan::Registry;
@@ -77,7 +77,7 @@ pub struct RunArguments {
     /// Maximum number of iterations of a search [default: no limit]
     #[arg(long, value_name = "N", value_parser = whole(0..=MOST_ITERATIONS))]
     iterations: Option<u64>,
-    /// Memory limit of a search, in MB [default: 4096]
+    /// Memory limit of a search, in MB of 10⁶ bytes [default: 4096]
     #[arg(long, value_name = "MB", value_parser = whole(1..=MOST_MEMORY_MB))]
     memory_limit: Option<u64>,
     /// Plan to each known goal configuration of a scenario separately, as the paper's table of IK-RRT does
@@ -216,7 +216,8 @@ pub fn run(arguments: &RunArguments, registry: &Registry, output: Output) -> Res
         None => run_campaign(&schedule, &settings, &mut results, &mut progress, &stop),
         Some(file) => {
             let machine = settings.information.machine.clone();
-            let mut standing = ProgressFile::new(&file, workers, &machine, &mut progress);
+            let standing = ProgressFile::new(&file, workers, &machine, &mut progress);
+            let mut standing = standing.of_shard(arguments.shard);
             let ended = run_campaign(&schedule, &settings, &mut results, &mut standing, &stop);
             standing.write();
             ended
@@ -277,7 +278,7 @@ fn campaign(arguments: &RunArguments, registry: &Registry) -> Result<Campaign, F
     campaign.first_seed = arguments.first_seed.unwrap_or(campaign.first_seed);
     campaign.iteration_limit = arguments.iterations.or(campaign.iteration_limit);
     if let Some(limit) = arguments.memory_limit {
-        campaign.memory_limit_bytes = limit << 20;
+        campaign.memory_limit_bytes = limit * MEGABYTE;
     }
     campaign.judge_both |= arguments.judge_both;
     campaign.demand.carry = arguments.carry.or(campaign.demand.carry);

@@ -170,8 +170,9 @@ fn begin(
     // Every path is checked before the first file is written.
     ClusterScripts::output_options(&folder)?;
     let scripts = ClusterScripts::new(&folder, &program, &name)?;
-    let memory_mb = campaign.memory_limit_bytes >> 20;
-    let task = scripts.task(&of_folder, memory_mb, arguments.sandbox, arguments.local.as_deref())?;
+    // Slurm counts in MiB.
+    let memory_mib = campaign.memory_limit_bytes.div_ceil(1 << 20);
+    let task = scripts.task(&of_folder, memory_mib, arguments.sandbox, arguments.local.as_deref())?;
     let last = scripts.last()?;
     fs::create_dir_all(folder.path.join("log"))?;
     write_whole_file(&folder.task_script(), task.as_bytes())?;

@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use cranny_bench::{CampaignProgress, Results, Tally};
+use cranny_bench::{CampaignProgress, Results, Shard, Tally};
 use cranny_file::{counted, shell_file, visible_line};
 use serde::Serialize;
 
@@ -21,8 +21,9 @@ use crate::text;
   cranny bench status part-*.db --json
 
 Each task keeps a small file that says how far it is, so that results are not opened while another machine writes them;
-where there is none the results are asked, which do not say how many trials there are to be. Exit 0: every trial has
-ended; exit 1: not yet, or nobody knows.")]
+where there is none the results are asked, which do not say how many trials there are to be. A shard of the campaign
+without a file among those given is missing. Exit 0: every trial has ended; exit 1: not yet, a shard is missing, or nobody
+knows.")]
 pub struct StatusArguments {
     /// Folder of `bench slurm`, or files of results
     #[arg(value_name = "FOLDER|RESULTS", required = true, num_args = 1..)]
@@ -40,6 +41,8 @@ enum State {
     Lost,
     /// Not done, and Slurm is not available.
     Open,
+    /// Shard of which no file is given.
+    Missing,
     /// The total number of trials is unknown.
     Unknown,
 }
@@ -117,9 +120,25 @@ fn of_files(files: &[PathBuf]) -> Result<Answered, Failure> {
         let name = file.file_name().map_or(file.as_path(), Path::new);
         Ok(TaskLine { task: name.display().to_string(), state, standing })
     };
-    let tasks = files.iter().map(task).collect::<Result<Vec<_>, _>>()?;
+    let mut tasks = files.iter().map(task).collect::<Result<Vec<_>, _>>()?;
+    tasks.extend(missing(&tasks));
     let trials = tasks.iter().map(|task| task.standing.trials).sum();
     Ok(Answered { trials, ..Answered::of(tasks) })
+}
+
+/// Returns the shards of which no file is among these; none if one of the files is of a whole campaign, or does not state
+/// its shard.
+fn missing(tasks: &[TaskLine]) -> Vec<TaskLine> {
+    if tasks.iter().any(|task| task.standing.shards.is_empty()) {
+        return Vec::new();
+    }
+    let there: Vec<Shard> = tasks.iter().flat_map(|task| task.standing.shards.iter().copied()).collect();
+    let line = |shard: Shard| TaskLine {
+        task: shard.to_string(),
+        state: State::Missing,
+        standing: CampaignProgress { shards: vec![shard], ..CampaignProgress::default() },
+    };
+    Shard::missing(&there).into_iter().map(line).collect()
 }
 
 impl Answered {
@@ -175,6 +194,7 @@ impl Answered {
             (State::Waiting, "waiting"),
             (State::Lost, "lost"),
             (State::Open, "not done"),
+            (State::Missing, "missing"),
             (State::Unknown, "unknown"),
         ];
         for (state, name) in states {
@@ -204,6 +224,11 @@ impl Answered {
             page.push_str(
                 "  the total number of trials is not recorded: run the same command again to run the rest, \
                  if any is left\n",
+            );
+        }
+        if tasks.iter().any(|task| task.state == State::Missing) {
+            page.push_str(
+                "  no file of a missing shard is given: name its results too, or run it with --shard\n",
             );
         }
         if let Some(resume) = resume {

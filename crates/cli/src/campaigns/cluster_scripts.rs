@@ -17,8 +17,8 @@ pub struct ClusterScripts<'a> {
     name: String,
 }
 
-/// Memory of a worker before a search begins, with some reserve, in MB.
-const OWN_MEMORY_MB: u64 = 512;
+/// Memory of a worker before a search begins, with some reserve, in MiB.
+const OWN_MEMORY_MIB: u64 = 512;
 
 impl<'a> ClusterScripts<'a> {
     /// Prepares the scripts in `folder`, with absolute paths and any campaign name.
@@ -47,7 +47,7 @@ impl<'a> ClusterScripts<'a> {
     pub fn task(
         &self,
         campaign: &ClusterCampaign,
-        memory_mb: u64,
+        memory_mib: u64,
         sandbox: Sandbox,
         local: Option<&str>,
     ) -> Result<String, Failure> {
@@ -103,7 +103,7 @@ done
 {from}exit $status
 ",
             name = self.name,
-            memory = memory_mb + OWN_MEMORY_MB,
+            memory = memory_mib + OWN_MEMORY_MIB,
             program = self.program,
             file = quoted(&campaign.campaign)?,
             tasks = campaign.tasks,

@@ -6,6 +6,7 @@ use crate::report::comparison::Finding;
 use crate::report::pages::page_figures::{Markup, Shown, escape, words};
 use crate::report::paper_table::{PaperTable, shown};
 use crate::report::{Enclosure, Row};
+use crate::store::run_information::UNKNOWN;
 use cranny_file::counted;
 
 /// Rows with their indices in the summary.
@@ -332,7 +333,7 @@ pub fn machines(page: &mut Markup) {
         }
         let cells = [
             words(&machine.processor),
-            page.figure(&at("workers")),
+            if machine.workers == 0 { words(UNKNOWN) } else { page.figure(&at("workers")) },
             page.figure(&at("runs")),
             page.figure(&at("trials")),
             words(format!("{} {commit}", machine.version).trim()),
