@@ -8,7 +8,8 @@
 
 Lengths are in metres, angles in radians, times in seconds; poses are (4, 4) homogeneous matrices in the planning
 frame, which is the robot's root frame; a configuration `q` is (dof,), a batch of them (N, dof). Invalid arguments
-raise `TypeError` or `ValueError`; an invalid file or scene raises `CrannyError`, a `ValueError` that states the fault.
+raise `TypeError` or `ValueError`, an unknown link `KeyError` (`Robot.fk`, `Robot.jacobian`); an invalid file or scene raises
+`CrannyError`, a `ValueError` that states the fault.
 
 `World` updates its obstacles from depth images and point clouds.
 

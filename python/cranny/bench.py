@@ -27,7 +27,7 @@ PlannerChoice = str | PlannerFunction | Sequence[str] | tuple[str, Mapping[str, 
 settings); or the words of a command that speaks the exec protocol."""
 
 Heard = Callable[[int, int, int], None]
-"""Callback with three numbers: trials that have ended, trials to run, and trials solved."""
+"""Callback with three numbers: trials that have ended (as a rule 0 at the first call), trials to run, and trials solved."""
 
 
 class Results:
@@ -169,8 +169,9 @@ def run(
     `sandbox` runs external programs with the protection that the machine supports ("auto"), without it ("off"), or
     refuses to run without all of it ("require"). `again` lists outcomes ("crashed", "killed", …) whose trials are run
     again. `shard`, such as (3, 8), runs the third of eight shards, which `cranny bench merge` joins. `heard` is called
-    after trials end, with the numbers of trials that have ended, that are to run, and that are solved. The process of
-    your own planner runs its script only up to the first call of this function.
+    when the first trials begin, as a rule before any has ended, and then after trials end, with the numbers of trials that
+    have ended, that are to run, and that are solved. The process of your own planner runs its script only up to the first
+    call of this function.
     """
     end_if_read_for_planner()
     lists = {"scenarios": scenarios, "planners": planners, "criteria": criteria, "again": again}

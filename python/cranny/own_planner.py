@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from cranny._cranny import Cell, Grasps, Robot, Scenario
 from cranny.function_source import source_of
+from cranny.ros import JointPositions
 
 if TYPE_CHECKING:
     # NumPy takes longer to load than this package, so it is imported only when an array is needed.
@@ -22,7 +23,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 PlannerFunction = Callable[["Problem", "Budget", int], "ArrayLike | None"]
-"""Signature of a planner: from problem, budget and seed to way points (N, dof) from the start to a goal, or None."""
+"""Signature of a planner: from problem, budget and seed to way points (N, dof) from the start to a goal, or None; way points as
+`cranny.ros.JointPositions` are reordered by the names of their joints."""
 
 _Function = TypeVar("_Function", bound=PlannerFunction)
 
@@ -50,14 +52,15 @@ class Budget:
 
 @dataclass(frozen=True)
 class Problem:
-    """Problem for your own planner: find a collision-free path from `start` to one of `grasps`."""
+    """Problem for your own planner: find a collision-free path from `start` to one of `grasps`, or to one of the goal
+    configurations that `goal` or the scenario states (`Scenario.goals`)."""
 
     scenario: Scenario
     """The scenario, which gives access to all other data."""
     start: NDArray[np.float64]
     """Start configuration, (dof,), m or rad."""
     goal: NDArray[np.float64] | None = None
-    """The only goal configuration, (dof,); None: any grasp is a goal."""
+    """The only goal configuration, (dof,); None: any goal of the scenario is one."""
     margins: Mapping[str, float] = field(default_factory=dict)
     """Clearances (m) that the campaign demands of each path: `margin_m` between any two bodies, `grasp_margin_m` between
     the hand and the target or its support, and `object_margin_m`, in addition, around the target, whose pose may be
@@ -80,11 +83,15 @@ class Problem:
 
     def goals(self, count: int = 10, *, seed: int = 0, attempts: int = 100) -> NDArray[np.float64]:
         """Free configurations that reach a grasp, (K, dof), K ≤ `count`, one per grasp in the order of falling scores;
-        `attempts` random starts for each."""
+        `attempts` random starts for each. Of a scenario with goal configurations (`Scenario.with_goals`): its first free
+        ones."""
         import numpy as np
 
         if self.goal is not None:
             return self.goal[None, :]
+        if (stated := self.scenario.goals) is not None:
+            free: NDArray[np.bool_] = self.cell.is_free(stated)
+            return stated[free][:count]
         found: list[NDArray[np.float64]] = []
         poses = self.grasps.poses
         for index in self.grasps.by_score():
@@ -213,6 +220,8 @@ def answer(function: PlannerFunction, question: dict[str, Any], begin: float) ->
     path = function(problem, budget, int(question["seed"]))
     if path is None:
         return {"outcome": "budget-exhausted"}
+    if isinstance(path, JointPositions):
+        path = path.in_order_of(problem.robot.joint_names)
     rows = np.asarray(path, dtype=np.float64)
     if rows.ndim != 2 or rows.shape[1] != problem.robot.dof:
         raise ValueError(f"the path has shape {rows.shape}, but (N, {problem.robot.dof}) is expected")

@@ -108,9 +108,11 @@ def of_samples(samples: Samples, *, frame_id: str = "") -> dict[str, Any]:
 
 
 class JointPositions:
-    """Positions (T, dof) in m and rad, one column per joint, with the joints' names. All functions of this package that
-    accept configurations reorder the columns by these names for their robot, and refuse unknown and missing joints.
-    `numpy.asarray(positions)` has the columns in the original order; `in_order_of` reorders them."""
+    """Positions (T, dof) in m and rad, one column per joint, with the joints' names. Functions of this package that know the
+    robot (arguments `q`, `path`, `start`, `goals`, `carry`, …, and the path of your own planner) reorder the columns by these
+    names, and refuse unknown and missing joints; where one configuration is expected, a single row is one. DepthView, which
+    knows no robot, and `settings` of a planner refuse them: give `in_order_of(robot.joint_names)`.
+    `numpy.asarray(positions)` has the columns in the original order."""
 
     def __init__(self, joint_names: Sequence[str], values: ArrayLike) -> None:
         import numpy as np

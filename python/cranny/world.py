@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import count as numbers_from
 from typing import TYPE_CHECKING, Any, Literal
 
 from cranny._cranny import Body, Cell, DepthView, Plan, Scenario, _with_views, filter_cloud
@@ -166,12 +167,14 @@ class World:
     ) -> None:
         """Replaces the views by new images, or adds them (`add`), and maps the space that they show. Arguments that are left out are
         those of the last images, which must then be as many. `q`: configuration of the robot now, in these images (None: as before);
-        views that are kept show it where it was."""
+        views that are kept show it where it was. `names`: names of the new views, which no other view has (None: those of the last
+        images, or "view1", "view2", …)."""
         state = self._state
         known = state.known
         if q is not None:
             known = known.with_start(q)
-        given = _images(images, intrinsics, poses, scale, sensor, names, state.images, len(state.views) if add else 0)
+        taken = tuple(view.name for view in state.views) if add else ()
+        given = _images(images, intrinsics, poses, scale, sensor, names, state.images, taken)
         views = tuple(_view(image, index, given) for index, image in enumerate(images))
         before = state.known.start
         kept = tuple(view.with_q(before) if view.q is None else view for view in state.views) if add else ()
@@ -299,9 +302,10 @@ def _images(
     sensor: Sensor | None,
     names: Sequence[str] | None,
     last: _Images | None,
-    before: int,
+    taken: Sequence[str],
 ) -> _Images:
-    """The arguments of images, one of each for each image; missing ones are those of the last images."""
+    """The arguments of images, one of each for each image; missing ones are those of the last images. `taken`: names of the views
+    that are kept."""
     count = len(images)
     if count == 0:
         raise ValueError("images: the list is empty, but at least one image is expected")
@@ -327,14 +331,18 @@ def _images(
     is_one = intrinsics is not None and (_depth_of(intrinsics) == 1 or _is_matrix(intrinsics))
     if sensor is None and not of_last:
         sensor = {}
-    if names is None and (before > 0 or not of_last):
-        names = [f"view{before + index + 1}" for index in range(count)]
+    if names is None and (taken or not of_last):
+        free = (name for name in map("view{}".format, numbers_from(len(taken) + 1)) if name not in taken)
+        names = [next(free) for _ in range(count)]
+    called = listed("names", names, "a list", False, last and last.names)
+    if twice := [name for index, name in enumerate(called) if name in (*taken, *called[:index])]:
+        raise ValueError(f"names: there is a view '{twice[0]}' already; give each view a name of its own")
     return _Images(
         intrinsics=listed("intrinsics", intrinsics, camera, is_one, last and last.intrinsics),
         poses=listed("poses", poses, "`world_from_camera`, (N, 4, 4)", is_pose, last and last.poses),
         scale=scale if scale is not None or last is None else last.scale,
         sensors=listed("sensor", sensor, "a dictionary", isinstance(sensor, Mapping), last and last.sensors),
-        names=listed("names", names, "a list", False, last and last.names),
+        names=called,
     )
 
 

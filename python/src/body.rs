@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use cranny_collision::{Body, Part};
 use cranny_shape::{BoxUnion, Outline, Solid, TriangleSoup};
+use cranny_spatial::FARTHEST_M;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict, PyTuple};
@@ -31,7 +32,11 @@ impl PyBody {
         size: &Bound<'py, PyAny>,
         pose: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
-        let solid = Solid::cuboid(vector(size, "size")? * 0.5).map_err(fault)?;
+        let mut halves = vector(size, "size")?;
+        for length_m in halves.iter_mut() {
+            *length_m = half("each length of a box", *length_m)?;
+        }
+        let solid = Solid::cuboid(halves).map_err(fault)?;
         let made = Self::made(py, "box", (&name, copied(size)?), None, pose)?;
         Self::of(name, solid, pose, made)
     }
@@ -60,7 +65,8 @@ impl PyBody {
         pose: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
         let made = Self::made(py, "cylinder", (&name, radius), Some(length), pose)?;
-        Self::of(name, Solid::cylinder(0.5 * length, radius).map_err(fault)?, pose, made)
+        let half_length = half("the length of a cylinder", length)?;
+        Self::of(name, Solid::cylinder(half_length, radius).map_err(fault)?, pose, made)
     }
 
     /// Capsule of `radius` (m) along the z axis of `pose`; `length` (m) is that of its cylindrical section.
@@ -74,7 +80,8 @@ impl PyBody {
         pose: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
         let made = Self::made(py, "capsule", (&name, radius), Some(length), pose)?;
-        Self::of(name, Solid::capsule(0.5 * length, radius).map_err(fault)?, pose, made)
+        let half_length = half("the length of a capsule", length)?;
+        Self::of(name, Solid::capsule(half_length, radius).map_err(fault)?, pose, made)
     }
 
     /// Solid bounded by a closed mesh: a `trimesh.Trimesh`, any object with `vertices` and `faces`, or a pair of arrays (V, 3)
@@ -208,6 +215,16 @@ impl PyBody {
             keywords.set_item("length", length)?;
         }
         Made::by(partial(&py.get_type::<Self>().getattr(constructor)?, &keywords)?, arguments)
+    }
+}
+
+/// Returns half of a length (m), for solids that are made of half lengths; a fault names the whole length.
+fn half(what: &str, length_m: f64) -> PyResult<f64> {
+    let most_m = 2.0 * FARTHEST_M;
+    if length_m > 0.0 && length_m <= most_m {
+        Ok(0.5 * length_m)
+    } else {
+        Err(fault(format!("{what} must be a positive number of metres, at most {most_m}, but is {length_m}")))
     }
 }
 

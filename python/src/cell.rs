@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use cranny_collision::{Cell, Contact, Margins, Motion, Scratch, World};
+use cranny_scenario::RobotSource;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyBool, PyTuple};
@@ -47,7 +48,8 @@ impl PyCell {
     /// Robot of the cell.
     #[getter]
     fn robot(slf: &Bound<'_, Self>) -> PyResult<PyRobot> {
-        Ok(PyRobot { robot: slf.get().cell.robot().clone(), made: Made::by_attribute(slf, "robot")? })
+        let made = Made::by_attribute(slf, "robot")?;
+        Ok(PyRobot { robot: slf.get().cell.robot().clone(), source: RobotSource::Other, made })
     }
 
     /// All bodies, in the planning frame.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use cranny_collision::{Body, Cell};
 use cranny_record::{PlanFile, PlanSource, Statement};
 use cranny_robot::Robot;
-use cranny_scenario::{Geometry, GivenGrasps, MoveItProblem, Scenario};
+use cranny_scenario::{Geometry, GivenGrasps, MoveItProblem, RobotSource, Scenario};
 use cranny_solve::TaskTrajectory;
 use cranny_task::Problem;
 use pyo3::prelude::*;
@@ -66,6 +66,8 @@ pub struct PyPlan {
 #[pyclass(name = "Robot", module = "cranny", frozen)]
 pub struct PyRobot {
     pub robot: Arc<Robot>,
+    /// Source by which a scenario file can name it.
+    pub source: RobotSource,
     pub made: Made,
 }
 

@@ -2,3 +2,4 @@
 
 pub mod planner;
 mod problem;
+pub mod scene;

@@ -21,6 +21,10 @@ use crate::handover::pickled::{Reduced, restored_by};
 use crate::trajectory::PySamples;
 use crate::verification::PyVerification;
 
+/// Minimum rate of samples, in hertz. An instant nearer to the end than a millionth of an interval counts as the end; at lower rates
+/// that is more than a millisecond, and may be the start.
+const LEAST_RATE_HZ: f64 = 1e-3;
+
 #[pymethods]
 impl PyPlan {
     /// Reads a `.plan.json` of `scenario` (a Scenario or a MoveItProblem); None: the built-in one that it names.
@@ -202,10 +206,11 @@ impl PyPlan {
         Ok(report)
     }
 
-    /// Samples position, velocity and acceleration of the joints at `rate` (Hz), with the end: a Samples of arrays (T, dof).
+    /// Samples position, velocity and acceleration of the joints at `rate` (Hz, at least 0.001), with the end: a Samples of arrays
+    /// (T, dof).
     #[pyo3(signature = (rate=100.0))]
     fn sample(&self, py: Python<'_>, rate: f64) -> PyResult<PySamples> {
-        let trajectory = self.timed()?;
+        let trajectory = self.timed_at(rate)?;
         py.detach(|| PySamples::of(&trajectory, rate)).map_err(fault)
     }
 
@@ -213,7 +218,7 @@ impl PyPlan {
     /// there, and away from the target after it is put down. In between, the hand closes and opens.
     #[pyo3(signature = (rate=100.0))]
     fn sample_ways(&self, py: Python<'_>, rate: f64) -> PyResult<Vec<PySamples>> {
-        let trajectory = self.timed()?;
+        let trajectory = self.timed_at(rate)?;
         py.detach(|| PySamples::of_ways(&trajectory, rate)).map_err(fault)
     }
 
@@ -241,7 +246,7 @@ impl PyPlan {
     /// hand closes on an object.
     #[pyo3(signature = (path, rate=100.0))]
     fn save_trajectory(&self, path: PathBuf, rate: f64) -> PyResult<()> {
-        let trajectory = self.timed()?;
+        let trajectory = self.timed_at(rate)?;
         write_trajectory_csv(&path, &trajectory, rate).map_err(fault)
     }
 
@@ -323,6 +328,14 @@ impl PyPlan {
     /// Verifies as [`PlanFile::judge`], in the task that it was planned for or read in.
     pub fn judge(&self) -> Result<Option<Judgement>, PlanError> {
         self.file.judge(&self.task.source, &self.task.problem, AuditSettings::default())
+    }
+
+    /// Returns the trajectory, to be sampled at a rate (Hz).
+    fn timed_at(&self, rate: f64) -> PyResult<Arc<TaskTrajectory>> {
+        if rate > 0.0 && rate < LEAST_RATE_HZ {
+            return Err(bad_value(format!("rate is {rate} Hz, but at least {LEAST_RATE_HZ} Hz is expected")));
+        }
+        self.timed()
     }
 
     fn timed(&self) -> PyResult<Arc<TaskTrajectory>> {

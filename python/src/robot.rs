@@ -10,7 +10,7 @@ use cranny_robot::{
     Dynamics, IkSearchSettings, IkSolver, JointGroup, MeshUse, Robot, RobotOptions, TextSource,
     solve_restarts,
 };
-use cranny_scenario::{BUILTIN_ROBOTS, BuiltinRobot, panda_mobile};
+use cranny_scenario::{BUILTIN_ROBOTS, BuiltinRobot, RobotSource};
 use cranny_spatial::{Pose, Stream, Vector};
 use numpy::PyArrayDyn;
 use pyo3::exceptions::PyKeyError;
@@ -109,7 +109,7 @@ impl PyRobot {
         let robot = py.detach(|| Robot::load(&path, &options)).map_err(fault)?;
         let reader = py.get_type::<Self>().getattr("from_urdf")?;
         let made = Made::opened(&reader, (absolute(&path)?,), &keywords)?;
-        Ok(Self { robot: Arc::new(robot), made })
+        Ok(Self { robot: Arc::new(robot), source: RobotSource::Other, made })
     }
 
     /// Reads a robot from the text of a URDF without meshes.
@@ -121,15 +121,16 @@ impl PyRobot {
         let options = RobotOptions { tip, ..RobotOptions::default() };
         let robot = Robot::from_urdf_text(text, "<text>", None, &options).map_err(fault)?;
         let reader = py.get_type::<Self>().getattr("from_urdf_text")?;
-        Ok(Self { robot: Arc::new(robot), made: Made::opened(&reader, (text,), &keywords)? })
+        let made = Made::opened(&reader, (text,), &keywords)?;
+        Ok(Self { robot: Arc::new(robot), source: RobotSource::Other, made })
     }
 
     /// Returns the built-in robot: a Franka Panda with its hand on a base that slides along y and x, 9 joints.
     #[staticmethod]
     #[pyo3(name = "panda_mobile")]
     fn built_in(py: Python<'_>) -> PyResult<Self> {
-        let maker = py.get_type::<Self>().getattr("panda_mobile")?;
-        Ok(Self { robot: panda_mobile().map_err(fault)?, made: Made::by(maker, ())? })
+        let made = Made::by(py.get_type::<Self>().getattr("panda_mobile")?, ())?;
+        Self::of_builtin(py, &BUILTIN_ROBOTS[0], made)
     }
 
     /// Returns a built-in robot by its name: "panda_mobile", "ur5e", "ur5e_mobile", "fr3" or "fetch_like".
@@ -140,9 +141,8 @@ impl PyRobot {
         let known = || BUILTIN_ROBOTS.iter().map(|robot| robot.name).collect::<Vec<_>>().join(", ");
         let unknown = || bad_value(format!("unknown built-in robot '{name}' (known: {})", known()));
         let robot = BuiltinRobot::of_name(name).ok_or_else(unknown)?;
-        let robot = py.detach(|| robot.robot(&RobotOptions::default())).map_err(fault)?;
-        let maker = py.get_type::<Self>().getattr("builtin")?;
-        Ok(Self { robot, made: Made::by(maker, (name,))? })
+        let made = Made::by(py.get_type::<Self>().getattr("builtin")?, (name,))?;
+        Self::of_builtin(py, robot, made)
     }
 
     /// Name in the URDF.
@@ -207,7 +207,7 @@ impl PyRobot {
 
     /// Returns the pose `root_from_link` of `link`, by default the tip, at `q`: (4, 4), metres; (N, 4, 4) for a batch.
     ///
-    /// Limits are not checked. `threads`: number of cores that share a batch; None: all.
+    /// Limits are not checked. `threads`: number of cores that share a batch; None: all. An unknown link raises KeyError.
     #[pyo3(signature = (q, link=None, *, threads=Some(1)), text_signature = "($self, q, link=None, *, threads=1)")]
     fn fk<'py>(
         &self,
@@ -238,6 +238,7 @@ impl PyRobot {
 
     /// Returns the geometric Jacobian of `link`, by default the tip, at its origin, in the root frame: (6, dof), or (N, 6, dof)
     /// for a batch. Rows 0–2: metres of the origin; rows 3–5: radians of its rotation; per metre or radian of each joint.
+    /// An unknown link raises KeyError.
     #[pyo3(signature = (q, link=None, *, threads=Some(1)), text_signature = "($self, q, link=None, *, threads=1)")]
     fn jacobian<'py>(
         &self,
@@ -297,7 +298,8 @@ impl PyRobot {
     /// distinct solutions within the joint limits, for poses (N, 4, 4) a list of N arrays. An empty array proves nothing.
     ///
     /// At most `attempts` searches start at random configurations drawn from `seed`; with `start` (dof,), a single one starts
-    /// there instead. `cell`: return only solutions that are free in it.
+    /// there instead. `cell`: return only solutions that are free in it. Each pose of a batch draws from a random stream of its own,
+    /// by its index: only the first has the solutions that a call for it alone has with the same seed.
     #[pyo3(
         signature = (pose, *, count=1, attempts=200, seed=0, start=None, cell=None, threads=Some(1)),
         text_signature = "($self, pose, *, count=1, attempts=200, seed=0, start=None, cell=None, threads=1)"
@@ -371,6 +373,11 @@ impl PyRobot {
 }
 
 impl PyRobot {
+    fn of_builtin(py: Python<'_>, builtin: &BuiltinRobot, made: Made) -> PyResult<Self> {
+        let robot = py.detach(|| builtin.robot(&RobotOptions::default())).map_err(fault)?;
+        Ok(Self { robot, source: RobotSource::Builtin(builtin.name), made })
+    }
+
     fn per_joint<'py>(
         &self,
         py: Python<'py>,

@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use cranny_collision::{Margins, World};
 use cranny_scenario::{
-    Geometry, GivenGrasps, OpenOptions, Recipe, Scenario, TargetPhysics, WorldConversion, built_in,
-    catalogue, write_moveit_scene, write_whole_folder,
+    Geometry, GivenGrasps, OpenOptions, Recipe, RobotSource, Scenario, WorldConversion, built_in, catalogue,
+    write_moveit_scene, write_whole_folder,
 };
-use cranny_task::{Criterion, Goal, Problem};
+use cranny_task::Criterion;
 use cranny_view::StandardView;
 use numpy::PyArrayDyn;
 use pyo3::call::PyCallArgs;
@@ -25,7 +25,9 @@ use crate::handover::json::python_of;
 use crate::handover::names::{criterion_of, geometry_of};
 use crate::handover::pickled::{Made, Reduced, absolute};
 use crate::handover::whole;
+use crate::moveit::scene::with_scene;
 use crate::picture::picture;
+use crate::placement::without_lost_places;
 use crate::sensing::seen_summary::SeenSummary;
 
 #[pymethods]
@@ -85,7 +87,6 @@ impl PyScenario {
         name: &str,
     ) -> PyResult<Self> {
         let keywords = PyDict::new(robot.py());
-        keywords.set_item("start", start.map(copied).transpose()?)?;
         keywords.set_item("target", target)?;
         keywords.set_item("grasps", grasps)?;
         keywords.set_item("name", name)?;
@@ -105,9 +106,11 @@ impl PyScenario {
                 return Err(bad_value("start: the robot has no default start; give a configuration"));
             }
         };
+        keywords.set_item("start", shaped(robot.py(), start.clone(), &[start.len()])?)?;
         let bare = Scenario::bare(name.to_owned(), own_robot, World::new(all).map_err(fault)?, Vec::new());
         let scenario = Scenario {
             target,
+            robot_source: robot.get().source.clone(),
             grasps: grasps.map(|grasps| grasps.get().set.clone()).unwrap_or_default(),
             has_grasp_set: grasps.is_some() || target.is_none(),
             ..bare
@@ -189,8 +192,10 @@ impl PyScenario {
     /// Robot of the scenario.
     #[getter]
     fn robot(slf: &Bound<'_, Self>) -> PyResult<PyRobot> {
-        let made = Made::by_attribute(slf, "robot")?;
-        Ok(PyRobot { robot: slf.get().scenario.robot.clone(), made })
+        let Scenario { robot, robot_source, joint_bounds, .. } = &*slf.get().scenario;
+        // Bounds of the joints are not in the robot's files.
+        let source = if joint_bounds.is_empty() { robot_source.clone() } else { RobotSource::Other };
+        Ok(PyRobot { robot: robot.clone(), source, made: Made::by_attribute(slf, "robot")? })
     }
 
     /// All bodies: obstacles, then the target, then the floor, if present.
@@ -258,6 +263,12 @@ impl PyScenario {
         PyGrasps { set: self.scenario.grasps.clone() }
     }
 
+    /// Goal configurations of `with_goals`, (K, dof); None: a grasp is the goal.
+    #[getter]
+    fn goals<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
+        self.goals.as_ref().map(|goals| rows(py, goals, self.scenario.robot.dof())).transpose()
+    }
+
     /// Configurations from the scenario's files that are known to reach a grasp, (K, dof); often none.
     #[getter]
     fn known_goals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
@@ -300,10 +311,11 @@ impl PyScenario {
         Self::with_body(slf, &body)
     }
 
-    /// Returns the scenario without the body of that name.
+    /// Returns the scenario without the body of that name, the places on it, and the tasks that name it or such a place. Without the
+    /// target there are no poses to place it either.
     fn without_body(slf: &Bound<'_, Self>, name: &str) -> PyResult<Self> {
         let scenario = slf.get().scenario.without_body(name).map_err(fault)?;
-        Self::altered(slf, scenario, ("without_body", name))
+        Self::altered(slf, without_lost_places(scenario), ("without_body", name))
     }
 
     /// Returns the scenario with target and grasps moved by `motion` in the planning frame, (3,) in metres or (4, 4).
@@ -317,9 +329,9 @@ impl PyScenario {
     fn with_goals<'py>(slf: &Bound<'py, Self>, goals: &Bound<'py, PyAny>) -> PyResult<Self> {
         let own = slf.get();
         let robot = &own.scenario.robot;
-        let rows = Configurations::read(goals, "goals", robot)?.rows(robot.dof())?;
-        let altered = Self::altered(slf, (*own.scenario).clone(), ("with_goals", copied(goals)?))?;
-        Ok(Self { goals: Some(rows), ..altered })
+        let goals = Configurations::read(goals, "goals", robot)?.rows(robot.dof())?;
+        let call = ("with_goals", rows(slf.py(), &goals, robot.dof())?);
+        Ok(Self { goals: Some(goals), ..Self::altered(slf, (*own.scenario).clone(), call)? })
     }
 
     /// Returns the scenario with other grasps. Each is a pose of the gripper frame: without a target, a pose to reach.
@@ -340,10 +352,11 @@ impl PyScenario {
     }
 
     /// Returns the scenario with the body of that name as the target. Unless it is the scenario's own target, it has no set of
-    /// grasps, and `plan` generates one; its mass and friction are those of its entry in scenario.yaml.
+    /// grasps, and `plan` generates one; its mass and friction are those of its entry in scenario.yaml. Places on that body are left
+    /// out, and the tasks that name such a place.
     fn with_target(slf: &Bound<'_, Self>, name: &str) -> PyResult<Self> {
         let own = slf.get();
-        let scenario = own.scenario.with_target(name).map_err(fault)?;
+        let scenario = without_lost_places(own.scenario.with_target(name).map_err(fault)?);
         let is_own = own.scenario.target == scenario.target;
         let altered = Self::altered(slf, scenario, ("with_target", name))?;
         Ok(if is_own { altered } else { Self { given_grasps: GivenGrasps::None, goals: None, ..altered } })
@@ -365,8 +378,9 @@ impl PyScenario {
     /// Returns the scenario with another start, (dof,).
     pub fn with_start<'py>(slf: &Bound<'py, Self>, start: &Bound<'py, PyAny>) -> PyResult<Self> {
         let values = configuration(start, "start", &slf.get().scenario.robot)?;
+        let known = shaped(slf.py(), values.clone(), &[values.len()])?;
         let scenario = slf.get().scenario.with_start(values).map_err(fault)?;
-        Self::altered(slf, scenario, ("with_start", copied(start)?))
+        Self::altered(slf, scenario, ("with_start", known))
     }
 
     /// Returns the scenario with another criterion, "exact" or "paper".
@@ -375,8 +389,18 @@ impl PyScenario {
         Self::altered(slf, scenario, ("with_criterion", criterion))
     }
 
-    /// Writes the scenario, of the built-in robot on its floor, to a new folder in Cranny's own layout, for `Scenario.load`.
+    /// Writes the scenario to a new folder in Cranny's own layout, for `Scenario.load`. Its robot must be a built-in one (such as
+    /// `Robot.builtin`) or that of the files of a scenario (`scenario.robot`), with the floor where it stands.
+    ///
+    /// Goals of `with_goals` raise ValueError, since the layout has no key for them: keep them, and call `with_goals` again after
+    /// loading. `about` (title, author, licence) of the files that the scenario was read from is not written.
     fn save(&self, folder: PathBuf) -> PyResult<()> {
+        if self.goals.is_some() {
+            return Err(bad_value(
+                "goals of with_goals cannot be saved: a scenario.yaml has no key for them (save the scenario from \
+                 before with_goals, and call with_goals again after loading)",
+            ));
+        }
         self.scenario.write_folder(&folder).map_err(fault)
     }
 
@@ -388,27 +412,10 @@ impl PyScenario {
     }
 
     /// Returns the scenario with the collision objects of a MoveIt planning scene (YAML) instead of its obstacles and floor;
-    /// robot and grasps stay. An object with the target's name replaces the target.
+    /// robot and grasps stay. An object with the target's name replaces the target. Places on bodies that are then missing, and the
+    /// tasks that name them, are left out.
     fn with_moveit_scene(slf: &Bound<'_, Self>, path: PathBuf) -> PyResult<Self> {
-        let own = &slf.get().scenario;
-        let read = cranny_scenario::read_moveit_scene(&path, &own.robot).map_err(fault)?;
-        let target = own.target.map(|target| &own.world.bodies()[target]);
-        let mut bodies = read.bodies().to_vec();
-        let place = target.map(|target| {
-            bodies.iter().position(|body| body.name == target.name).unwrap_or_else(|| {
-                bodies.push(target.clone());
-                bodies.len() - 1
-            })
-        });
-        // A planning scene does not state the masses of objects.
-        let is_kept = |name: &String| read.bodies().iter().all(|body| body.name != *name);
-        let mut scenario = (**own).clone();
-        scenario.sources.retain(|name, _| is_kept(name));
-        scenario.physics.retain(|name, _| is_kept(name));
-        let is_own = place.is_some_and(|place| place >= read.bodies().len());
-        scenario.given_physics = if is_own { scenario.given_physics } else { TargetPhysics::default() };
-        let world = scenario.world.with_bodies(bodies).map_err(fault)?;
-        let scenario = Scenario { world, target: place, export: None, ..scenario };
+        let scenario = without_lost_places(with_scene(&slf.get().scenario, &path)?);
         let caller = slf.getattr("with_moveit_scene")?;
         let made = Made::opened(&caller, (absolute(&path)?,), &PyDict::new(slf.py()))?;
         Ok(Self { made, ..Self::with(slf, scenario) })
@@ -444,7 +451,9 @@ impl PyScenario {
     fn __repr__(&self) -> String {
         let Scenario { id, criterion, world, grasps, .. } = &*self.scenario;
         let (bodies, grasps) = (world.bodies().len(), grasps.len());
-        format!("<cranny.Scenario '{id}' ({}): {bodies} bodies, {grasps} grasps>", criterion.name())
+        let goals = self.goals.as_ref().map(|goals| format!("{} goals", goals.len()));
+        let ends = goals.unwrap_or_else(|| format!("{grasps} grasps"));
+        format!("<cranny.Scenario '{id}' ({}): {bodies} bodies, {ends}>", criterion.name())
     }
 }
 
@@ -474,22 +483,6 @@ impl PyScenario {
         };
         let goals = own.goals.clone();
         Self { scenario: Arc::new(scenario), robot_file, geometry, given_grasps, goals, made: Made::UNKNOWN }
-    }
-
-    /// Returns the planning problem.
-    pub fn problem(&self, margins: Margins) -> PyResult<Problem> {
-        self.with_its_goals(self.scenario.problem(margins).map_err(fault)?)
-    }
-
-    fn with_its_goals(&self, problem: Problem) -> PyResult<Problem> {
-        let Some(goals) = &self.goals else { return Ok(problem) };
-        problem.with_goal(Goal::Configurations(goals.clone())).map_err(fault)
-    }
-
-    /// Returns the problem under `exact`, regardless of the criterion of the scenario.
-    pub fn exact_problem(&self, margins: Margins) -> PyResult<Problem> {
-        let exact = Scenario { criterion: Criterion::Exact, ..(*self.scenario).clone() };
-        exact.problem(margins).map_err(fault)
     }
 }
 

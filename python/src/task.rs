@@ -2,11 +2,12 @@
 
 use cranny_collision::Margins;
 use cranny_record::PlanSource;
-use cranny_scenario::GivenGrasps;
+use cranny_scenario::{GivenGrasps, Scenario};
+use cranny_task::{Criterion, Goal, Problem};
 use pyo3::prelude::*;
 
 use crate::classes::{PyMoveItProblem, PyScenario, Task};
-use crate::handover::fault::bad_type;
+use crate::handover::fault::{bad_type, fault};
 
 impl Task {
     pub fn of(value: &Bound<'_, PyAny>, margins: Margins) -> PyResult<Self> {
@@ -48,5 +49,23 @@ impl Task {
             "scenario: a Scenario or a MoveItProblem is expected, not {}",
             value.get_type()
         )))
+    }
+}
+
+impl PyScenario {
+    /// Returns the planning problem.
+    pub fn problem(&self, margins: Margins) -> PyResult<Problem> {
+        self.with_its_goals(self.scenario.problem(margins).map_err(fault)?)
+    }
+
+    fn with_its_goals(&self, problem: Problem) -> PyResult<Problem> {
+        let Some(goals) = &self.goals else { return Ok(problem) };
+        problem.with_goal(Goal::Configurations(goals.clone())).map_err(fault)
+    }
+
+    /// Returns the problem under `exact`, regardless of the criterion of the scenario.
+    pub fn exact_problem(&self, margins: Margins) -> PyResult<Problem> {
+        let exact = Scenario { criterion: Criterion::Exact, ..(*self.scenario).clone() };
+        exact.problem(margins).map_err(fault)
     }
 }

@@ -21,10 +21,19 @@ impl PyVerification {
         self.audit.valid
     }
 
-    /// Violations in the order of the path: dictionaries of `kind` ("start", "goal", "joint-limit", "contact", "clearance",
-    /// "unresolved", "step"), `edge`, `at` in [0, 1], `first`, `second`, `depth_m` (for a contact; else None), and further keys
-    /// of the kind: `off` and its `unit` ("m", "rad"), `clearance_m`, `required_m`, `excess_m`, `translation_error_m`,
-    /// `rotation_error_rad`.
+    /// Violations in the order of the path: dictionaries of `kind`, `edge`, `at` in [0, 1], `first`, `second`, `depth_m` (for a
+    /// contact; else None), and further keys of the kind:
+    ///
+    /// - "start", "joint-limit": `off` and its `unit` ("m", "rad"); `first` is the joint.
+    /// - "contact": none. "clearance": `clearance_m`, `required_m`. "unresolved": `clearance_m`. "step": `excess_m`.
+    /// - "goal": `translation_error_m` and `rotation_error_rad` from the nearest grasp; or `off` and `unit`; or `clearance_m` and
+    ///   `required_m` of an object that is carried out; or none.
+    /// - "grip", of a hand that does not hold as it should or as stated: `score`, `required`, `opening_m`, `said_opening_m`,
+    ///   `said_score`, or none.
+    /// - "lift-off", "set-down": `length_m` and `most_m`, or none. "retreat": `clearance_m`, `required_m`. "not-straight": `length_m`,
+    ///   `required_m`.
+    /// - "tilt": `tilt_rad`, `most_rad`. "tool": `bound`, its name, and the excess `by_rad` or `by_m`.
+    /// - "statement", of a plan's file that promises more than was measured: `key`, `stated` and `measured`, in words.
     #[getter]
     fn violations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.audit.violations)

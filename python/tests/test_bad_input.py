@@ -110,6 +110,8 @@ def test_what_is_no_pose_is_refused(scenario: cranny.Scenario, pose: Any, messag
         lambda s: cranny.Grasps(np.eye(4)[None], robust_scores=[0.5], robust_trials=[2.5]),
         lambda s: cranny.Grasps(np.eye(4)[None], robust_scores=[0.5]),
         lambda s: s.grasps.nearest(np.eye(4)[None]),
+        lambda s: s.grasps.covered_by(s.grasps, threshold=NAN),
+        lambda s: s.grasps.covered_by(s.grasps, threshold=-1.0),
         lambda s: s.robot.sample(10**15),
         lambda s: s.robot.ik(np.eye(4), attempts=10**12),
         lambda s: s.robot.ik(np.eye(4), cell=cranny.Cell(cranny.Robot.from_urdf_text(SLIDE), [])),
@@ -125,6 +127,8 @@ def test_what_is_no_pose_is_refused(scenario: cranny.Scenario, pose: Any, messag
         lambda s: cranny.plan(s.with_criterion("paper"), "ik-rrt", margin_m=0.1),
         lambda s: cranny.plan(s).sample(0.0),
         lambda s: cranny.plan(s).sample(1e9),
+        lambda s: cranny.plan(s).sample(1e-300),
+        lambda s: cranny.plan(s).sample_ways(9e-4),
         lambda s: cranny.plan(s, "j-plus-rrt", iterations=1).sample(),
         lambda s: cranny.plan(s, "j-plus-rrt", iterations=1).verify(),
         lambda s: cranny.verify_path(s, np.zeros((0, 9))),
@@ -145,6 +149,20 @@ def test_values_that_are_none_are_refused(scenario: cranny.Scenario, call: Calla
     with pytest.raises(ValueError) as refusal:
         call(scenario)
     assert len(str(refusal.value)) > 15, "a message says what is wrong"
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: cranny.Body.box("b", [1.0, -1.0, 1.0]), "each length of a box must be .* at most 2000, but is -1$"),
+        (lambda: cranny.Body.box("b", [1.0, 1.0, 3000.0]), "each length of a box .* is 3000$"),
+        (lambda: cranny.Body.cylinder("b", 0.1, length=-1.0), "the length of a cylinder .* is -1$"),
+        (lambda: cranny.Body.capsule("b", 0.1, length=NAN), "the length of a capsule .* is NaN$"),
+    ],
+)
+def test_a_length_is_shown_as_it_was_given(call: Callable[[], Any], message: str) -> None:
+    with pytest.raises(cranny.CrannyError, match=message):
+        call()
 
 
 HUGE = 10**5000

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
+from typing import Any
 
 import cranny
 import numpy as np
 import pytest
 from conftest import package, released_folder
+from cranny.own_planner import answer
 
 
 def test_a_trajectory_is_a_message_and_comes_back(scenario: cranny.Scenario, plan: cranny.Plan) -> None:
@@ -86,6 +89,12 @@ def test_joints_are_known_by_their_names() -> None:
     assert not cranny.verify_path(scene, path[0:2], any_end=True)
     assert np.array_equal(path.in_order_of(["shoulder", "elbow"]), [[0.0, 0.0], [1.3, 0.0]])
     assert scene.cell().is_free(path).tolist() == [True, True]
+    # A single row is one configuration, also in a pickle.
+    assert pickle.loads(pickle.dumps(scene.with_start(path[1:2]))).start.tolist() == [1.3, 0.0]
+    goals = pickle.loads(pickle.dumps(scene.with_goals(path))).goals
+    assert goals is not None and goals.tolist() == [[0.0, 0.0], [1.3, 0.0]]
+    with pytest.raises(ValueError, match=r"start has shape \(2, 2\)"):
+        scene.with_start(path)
     for names, row in [(["elbow"], [0.0]), (["elbow", "wrist"], [0.0, 0.0]), (["a", "elbow", "shoulder"], [0.0] * 3)]:
         _, other = cranny.ros.positions_of(message(names, row))
         with pytest.raises(ValueError, match="but the robot has shoulder, elbow"):
@@ -98,6 +107,28 @@ def test_joints_are_known_by_their_names() -> None:
         cranny.ros.positions_of(late)
     with pytest.raises(ValueError, match="named twice"):
         cranny.ros.positions_of(message(["elbow", "elbow"], [0.0, 0.0]))
+
+
+def test_the_path_of_ones_own_planner_is_put_into_order(scenario: cranny.Scenario, tmp_path: Path) -> None:
+    scenario.save(tmp_path / "scene")
+    names, rows = scenario.robot.joint_names, scenario.robot.sample(3, seed=1)
+    question: dict[str, Any] = {
+        "files": {"cranny": str(tmp_path / "scene")},
+        "criterion": "exact",
+        "start": scenario.start.tolist(),
+        "margin_m": 0.0,
+        "grasp_margin_m": 0.0,
+        "object_margin_m": 0.0,
+        "time_limit_s": 10.0,
+        "seed": 0,
+    }
+
+    def of(path: Any) -> Any:
+        return answer(lambda problem, budget, seed: path, question, 0.0)["waypoints"]
+
+    assert of(cranny.ros.JointPositions(names[::-1], rows[:, ::-1])) == of(rows) == rows.tolist()
+    with pytest.raises(ValueError, match="but the robot has"):
+        of(cranny.ros.JointPositions([*names[:-1], "wrist"], rows))
 
 
 @pytest.mark.parametrize("scenario_id", ["011", "021", "034", "043"])

@@ -176,6 +176,44 @@ def test_a_configuration_or_a_pose_is_a_goal_too() -> None:
     np.testing.assert_allclose(robot.fk(to_pose.path[-1])[:3, 3], robot.fk(end)[:3, 3], atol=1e-3)
 
 
+def test_goals_are_named_and_are_not_lost_in_a_folder(scenario: cranny.Scenario, tmp_path: Path) -> None:
+    q = scenario.robot.sample(40, seed=1)
+    free = scenario.cell().is_free(q)
+    goals = np.stack([q[free][0], q[~free][0], q[free][1]])
+    given = scenario.with_goals(goals)
+    assert scenario.goals is None and given.goals is not None and np.array_equal(given.goals, goals)
+    assert "3 goals" in repr(given) and "grasps" not in repr(given) and "200 grasps" in repr(scenario)
+    assert given.with_grasps(scenario.grasps).goals is None
+    problem = cranny.Problem(given, given.start)
+    assert np.array_equal(problem.goals(), goals[[0, 2]]) and np.array_equal(problem.goals(1), goals[:1])
+    with pytest.raises(ValueError, match=r"goals of with_goals cannot be saved: .*call with_goals again after loading"):
+        given.save(tmp_path / "given")
+    assert not (tmp_path / "given").exists()
+
+
+def test_places_go_with_the_body_that_they_are_on(scenario: cranny.Scenario, tmp_path: Path) -> None:
+    assert scenario.places == ["outside"]
+    for name, changed in (("gone", scenario.without_body("table")), ("other", scenario.with_target("table"))):
+        assert changed.places == [] and pickle.loads(pickle.dumps(changed)).places == []
+        changed.save(tmp_path / name)
+        assert cranny.Scenario.load(tmp_path / name).places == []
+    for kept in (scenario.without_body("ball"), scenario.with_target("ball"), scenario.with_box("b", [0.1] * 3)):
+        assert kept.places == scenario.places
+
+
+def test_a_scenario_of_a_built_in_robot_is_saved(scenario: cranny.Scenario, tmp_path: Path) -> None:
+    bodies = [cranny.Body.box("crate", [0.2, 0.3, 0.4], pose=[1.2, 0.3, 0.2]), cranny.Body.floor(-0.05)]
+    robots = [cranny.Robot.panda_mobile(), cranny.Robot.builtin("panda_mobile"), scenario.robot]
+    for index, robot in enumerate(robots):
+        made = cranny.Scenario.of(robot, bodies, target="crate", start=scenario.start)
+        made.save(tmp_path / f"made{index}")
+        read = cranny.Scenario.load(tmp_path / f"made{index}")
+        assert [body.name for body in read.world] == ["crate", "floor"]
+        np.testing.assert_allclose(read.start, made.start, atol=1e-12)
+        q = robot.sample(500, seed=1)
+        assert np.array_equal(read.cell().is_free(q), made.cell().is_free(q))
+
+
 def test_what_makes_no_scenario_is_refused_by_name() -> None:
     robot, box = cranny.Robot.panda_mobile(), cranny.Body.box("box", [0.1, 0.1, 0.1], pose=[2, 0, 0])
     with pytest.raises(ValueError, match="two bodies are called 'box'"):

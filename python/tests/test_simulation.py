@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
 import pickle
+import signal
 import subprocess
+import time
 from pathlib import Path
 
 import cranny
@@ -69,6 +72,29 @@ def test_what_weighs_too_much_is_not_held() -> None:
     (row,) = cranny.simulate_grasps(scenario, first_grasps(scenario, 1), mass_kg=50.0)
     assert row["outcome"] != "held"
     assert row["held_s"] < 1.0
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of this kind are those of Unix")
+def test_a_signal_handler_that_raises_stops_the_tests() -> None:
+    class Enough(Exception):
+        pass
+
+    def handler(*_: object) -> None:
+        raise Enough
+
+    scenario = cranny.Scenario("021")
+    before = signal.signal(signal.SIGALRM, handler)
+    begin = time.monotonic()
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        # All of them take many minutes.
+        with pytest.raises(Enough):
+            cranny.simulate_grasps(scenario, trials=1000)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    assert time.monotonic() - begin < 30.0
+    assert len(cranny.simulate_grasps(scenario, first_grasps(scenario, 1))) == 1
 
 
 def test_the_package_and_the_command_line_execute_a_plan_alike(tmp_path: Path) -> None:

@@ -39,6 +39,13 @@ def test_a_task_is_planned_each_stage_in_the_world_that_those_before_leave(
     assert np.array_equal(again.start, moved.start)
 
 
+def test_a_task_goes_with_a_body_that_it_names(scenario: cranny.Scenario) -> None:
+    bare = scenario.without_body("column 1")
+    assert bare.tasks == {} and bare.places == scenario.places and len(bare.world) == len(scenario.world) - 1
+    crate = scenario.with_box("crate", [0.1, 0.1, 0.1], pose=[-1.0, -1.0, 0.5])
+    assert crate.without_body("crate").tasks == scenario.tasks == crate.with_target("column 1").tasks
+
+
 def test_stages_can_be_given_in_the_call(scenario: cranny.Scenario) -> None:
     column = {"pick": "column 1"}
     plan = cranny.plan(scenario, task=[column, {"place": "other side"}, {"move": "home"}])

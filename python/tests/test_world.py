@@ -126,8 +126,14 @@ def test_an_update_replaces_or_adds_views(robot: cranny.Robot, known: cranny.Sce
     with pytest.raises(ValueError, match="shape"):
         world.update([np.zeros(5)])
     assert world.scenario is kept
-    world.update([image(robot, START, [POST])], INTRINSICS, [ABOVE], q=START)
+    for names in (["top"], ["a", "a"]):
+        with pytest.raises(ValueError, match=f"there is a view '{names[0]}' already"):
+            world.update([image(robot, START, [])] * len(names), INTRINSICS, [ABOVE] * len(names), add=True, names=names)
+    assert world.scenario is kept
+    world.update([image(robot, START, [POST])], INTRINSICS, [ABOVE], q=START, names=["view2"])
     assert not world.is_free(at_post) and len(world.views) == 1
+    world.update([image(robot, START, [POST])], INTRINSICS, [ABOVE], add=True)
+    assert [view.name for view in world.views] == ["view2", "view3"]
 
 
 def test_space_that_no_camera_saw_is_solid_or_free(robot: cranny.Robot, known: cranny.Scenario) -> None:
@@ -148,13 +154,20 @@ def test_depths_that_are_none_are_counted() -> None:
     pixels = np.full((4, 6), 1.0, dtype=np.float32)
     pixels[0] = [np.nan, np.inf, -np.inf, -1.0, 0.0, 9.0]
     view = cranny.DepthView(pixels, (5.0, 5.0, 2.5, 1.5), np.eye(4))
-    assert view.dropped == {"zero": 1, "nan": 1, "infinite": 2, "negative": 1, "out_of_range": 1}
+    assert view.dropped == {"zero": 1, "nan": 1, "infinite": 2, "negative": 1, "masked": 0, "out_of_range": 1}
     assert view.valid == 18 and view.shape == (4, 6) and view.name == "view"
-    assert np.isnan(view.depths[0, :5]).all() and (view.depths[1:] == 1.0).all()
+    assert np.isnan(view.depths[0]).all() and (view.depths[1:] == 1.0).all()
     masked = np.ma.masked_array(pixels, mask=pixels > 0.5)
-    assert cranny.DepthView(masked, (5.0, 5.0, 2.5, 1.5), np.eye(4)).valid == 0
+    hidden = cranny.DepthView(masked, (5.0, 5.0, 2.5, 1.5), np.eye(4))
+    assert hidden.valid == 0 and hidden.dropped == {
+        "zero": 1, "nan": 1, "infinite": 1, "negative": 1, "masked": 20, "out_of_range": 0
+    }
+    assert pickle.loads(pickle.dumps(hidden)).dropped == hidden.dropped
     whole = np.ma.masked_array(np.full((4, 6), 1000, dtype=np.uint16), mask=np.eye(4, 6, dtype=bool))
-    assert cranny.DepthView(whole, (5.0, 5.0, 2.5, 1.5), np.eye(4)).dropped["zero"] == 4
+    whole[3, 5] = 0
+    parted = cranny.DepthView(whole, (5.0, 5.0, 2.5, 1.5), np.eye(4))
+    assert (parted.dropped["masked"], parted.dropped["zero"], parted.dropped["nan"], parted.valid) == (4, 1, 0, 19)
+    assert np.nanmax(parted.depths) == np.float32(1.0) and np.isnan(np.diag(parted.depths)).all()
 
 
 def test_points_of_a_view_are_where_its_pixels_look(robot: cranny.Robot) -> None:
@@ -203,6 +216,9 @@ def test_the_points_of_the_target_are_cut_out(robot: cranny.Robot) -> None:
     points = np.stack([0.5 + 0.03 * np.cos(angles), 0.03 * np.sin(angles), 0.0 * angles], axis=1)
     kept, counts = cranny.filter_cloud([*points, [0.5, 0.5, 0.0]], known=[can], known_margin_m=0.001)
     assert counts["known"] == 50 and kept.dtype == np.float32 and kept.tolist() == [[0.5, 0.5, 0.0]]
+    # Without a margin, points inside of a body or of the robot are left out.
+    assert cranny.filter_cloud([[0.5, 0.0, 0.0], [0.5, 0.5, 0.0]], known=[can])[1]["known"] == 1
+    assert cranny.filter_cloud([[0.2, 0.0, 0.0], [0.5, 0.5, 0.0]], robot=robot, q=[0.0, 0.0])[1]["own"] == 1
     world = cranny.World(scenario)
     world.add_cloud([*points, [0.5, 0.5, 0.0]], 0.01, target_margin_m=0.001)
     assert world.report["clouds"][0]["known"] == 50 and world.report["seen"] is None
@@ -284,6 +300,9 @@ def test_images_that_are_none_are_refused(known: cranny.Scenario, change: dict[s
         (lambda w: w.remove_cloud("nowhere"), r"there is no cloud 'nowhere' \(there are: none\)"),
         (lambda w: w.update([np.ones((4, 6))]), "intrinsics: there are none for 1 images, and none are known"),
         (lambda w: cranny.filter_cloud([[0, 0, 0]], own_margin_m=0.1), "own_margin_m needs `robot`"),
+        (lambda w: cranny.filter_cloud([[0, 0, 0]], robot=arm()), "robot needs its configuration `q`"),
+        (lambda w: cranny.filter_cloud([[0, 0, 0]], q=START), "q needs the `robot`"),
+        (lambda w: cranny.filter_cloud([[0, 0, 0]], robot=arm(), q=[0.0]), r"q has shape \(1,\)"),
         (lambda w: cranny.Body.cloud("a", [], 0.1), r"points has shape \(0,\), but \(N, 3\)"),
         (lambda w: w.plan(start=[0.0]), r"start has shape \(1,\)"),
     ],

@@ -46,7 +46,10 @@ pub fn suggested(near: &[impl AsRef<str>]) -> String {
 /// Returns [`did_you_mean`] where `name` may be one of `known`, or a file or folder.
 pub fn did_you_mean_here<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     let mut near = likeliest_names(name, known);
-    near.extend(nearest_files(Path::new(name)));
+    // A path in a file may count from the folder of that file.
+    if !name.contains('/') {
+        near.extend(nearest_files(Path::new(name)));
+    }
     suggested(&near)
 }
 

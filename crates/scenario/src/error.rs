@@ -376,8 +376,8 @@ pub enum ScenarioError {
     },
     /// The scenario's robot cannot be referenced by name, so the scenario cannot be written.
     #[error(
-        "the scenario cannot be written: it changes its robot by `srdf`, `group`, `tip`, `fixed` or `packages` (state these in a \
-         robot of its own, by `cranny robot add`, and name that)"
+        "the scenario cannot be written: no file names its robot as it is, since it was read by itself or changed by `srdf`, \
+         `group`, `tip`, `fixed` or `packages` (make a robot of its own, by `cranny robot add`, and name that)"
     )]
     OtherRobot,
     /// The output path of a scenario exists already.

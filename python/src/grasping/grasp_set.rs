@@ -122,8 +122,11 @@ impl PyGrasps {
         signature = (other, *, threshold=COVERAGE_THRESHOLD),
         text_signature = "($self, other, *, threshold=15.0)"
     )]
-    fn covered_by(&self, py: Python<'_>, other: &Self, threshold: f64) -> f64 {
-        py.detach(|| coverage(self.set.grasps(), other.set.grasps(), threshold))
+    fn covered_by(&self, py: Python<'_>, other: &Self, threshold: f64) -> PyResult<f64> {
+        if threshold.is_nan() || threshold < 0.0 {
+            return Err(bad_value(format!("threshold is {threshold}, but a number from 0 on is expected")));
+        }
+        Ok(py.detach(|| coverage(self.set.grasps(), other.set.grasps(), threshold)))
     }
 
     fn __len__(&self) -> usize {

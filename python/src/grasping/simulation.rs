@@ -1,7 +1,6 @@
 //! `simulate_grasps`, `grasp_experiment`, `simulate_plan` and `plan_experiment`: grasps of a scenario and plans in physics.
 
 use std::path::PathBuf;
-use std::sync::Mutex;
 
 use cranny_grasp::Hand;
 use cranny_scenario::{Friction, Scenario, TargetPhysics, read_gripper};
@@ -14,7 +13,7 @@ use rayon::prelude::*;
 use crate::classes::{PyPlan, PyScenario};
 use crate::grasping::grasp_set::PyGrasps;
 use crate::handover::fault::{bad_type, bad_value, fault};
-use crate::handover::interrupt::Interrupt;
+use crate::handover::interrupt::interruptible;
 use crate::handover::json::python_of;
 use crate::handover::whole;
 
@@ -31,7 +30,7 @@ const MOST_TRIALS: usize = 10_000;
 ///
 /// `grasps`: in the planning frame; by default the scenario's own. `support_only`: of the surroundings, only the support of the
 /// target. `gripper`: a YAML file; by default the hand of the scenario's robot. `mass_kg`, `friction` and `closing_force_n`
-/// override the files.
+/// override the files. Ctrl-C stops the tests once those that run have ended.
 #[pyfunction]
 #[pyo3(
     signature = (scenario, grasps=None, *, support_only=false, gripper=None, mass_kg=None, friction=None,
@@ -58,16 +57,11 @@ pub fn simulate_grasps<'py>(
     let grasps = grasps.map_or_else(|| scenario.grasps.clone(), |grasps| grasps.get().set.clone());
     let instead =
         TargetPhysics { mass_kg, friction: friction.map(Friction::from), ..TargetPhysics::default() };
-    let interrupt = Mutex::new(Interrupt::new());
-    let rows = py.detach(|| -> PyResult<Vec<GraspRow>> {
+    let rows = interruptible(py, |stop| -> PyResult<Vec<GraspRow>> {
         let test = GraspTest::of_scenario(scenario, &hand, &instead, support_only).map_err(fault)?;
         let all: Vec<usize> = (0..grasps.len()).collect();
-        let stop = || interrupt.lock().is_ok_and(|mut interrupt| interrupt.asks());
-        Ok(test.rows(grasps.grasps(), &all, (trials, seed), &|| {}, &stop))
-    });
-    if let Ok(interrupt) = interrupt.into_inner() {
-        interrupt.result()?;
-    }
+        Ok(test.rows(grasps.grasps(), &all, (trials, seed), &|| {}, stop))
+    })?;
     python_of(py, &rows?)
 }
 
@@ -146,18 +140,11 @@ pub fn simulate_plan<'py>(
     let plans: Vec<Bound<'py, PyPlan>> =
         plan.extract().map_err(|_| bad_type("plan: a Plan or a sequence of plans is expected"))?;
     let plans: Vec<&PyPlan> = plans.iter().map(Bound::get).collect();
-    let interrupt = Mutex::new(Interrupt::new());
-    let rows = py.detach(|| {
-        let execute = |plan: &&PyPlan| {
-            // An exception replaces all rows.
-            let stops = interrupt.lock().is_ok_and(|mut interrupt| interrupt.asks());
-            (!stops).then(|| instead.execute(plan, lift_m)).transpose()
-        };
+    let rows = interruptible(py, |stop| {
+        // An exception replaces all rows.
+        let execute = |plan: &&PyPlan| (!stop()).then(|| instead.execute(plan, lift_m)).transpose();
         plans.par_iter().map(execute).collect::<PyResult<Option<Vec<ExecutedPlan>>>>()
-    });
-    if let Ok(interrupt) = interrupt.into_inner() {
-        interrupt.result()?;
-    }
+    })?;
     python_of(py, &rows?.unwrap_or_default())
 }
 

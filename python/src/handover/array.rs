@@ -153,11 +153,12 @@ fn in_order_of<'py>(value: &Bound<'py, PyAny>, robot: &Robot) -> PyResult<Bound<
     }
 }
 
-/// Reads a single configuration (m, rad).
+/// Reads a single configuration (m, rad); values with joint names may also be one row.
 pub fn configuration(value: &Bound<'_, PyAny>, what: &str, robot: &Robot) -> PyResult<Vec<f64>> {
     let numbers = Numbers::read(&in_order_of(value, robot)?, what)?;
     let dof = robot.dof();
-    if *numbers.shape() != [dof] {
+    let is_row = *numbers.shape() == [1, dof] && value.hasattr("in_order_of")?;
+    if *numbers.shape() != [dof] && !is_row {
         return Err(numbers.wrong_shape(&format!("({dof},) for the {dof} joints of {}", robot.name())));
     }
     Ok(numbers.finite()?.to_vec())

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use cranny_collision::Margins;
-use cranny_scenario::{MoveItOptions, MoveItProblem};
+use cranny_scenario::{MoveItOptions, MoveItProblem, RobotSource};
 use cranny_task::Problem;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
@@ -45,7 +45,8 @@ impl PyMoveItProblem {
     /// Robot of the problem.
     #[getter]
     fn robot(slf: &Bound<'_, Self>) -> PyResult<PyRobot> {
-        Ok(PyRobot { robot: slf.get().problem.robot.clone(), made: Made::by_attribute(slf, "robot")? })
+        let made = Made::by_attribute(slf, "robot")?;
+        Ok(PyRobot { robot: slf.get().problem.robot.clone(), source: RobotSource::Other, made })
     }
 
     /// Collision objects, in the root frame of the robot.

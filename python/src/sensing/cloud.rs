@@ -41,8 +41,8 @@ fn array<'py>(py: Python<'py>, cloud: &PointCloud) -> PyResult<Points<'py>> {
 ///
 /// - "not_finite": a coordinate is NaN or infinite.
 /// - "cropped": outside of the box `crop`, its least and greatest coordinates (2, 3).
-/// - "own": within `own_margin_m` (m) of `robot` at `q`, by the exact distance.
-/// - "known": within `known_margin_m` (m) of one of the bodies `known`.
+/// - "own": within `own_margin_m` (m; None: 0) of `robot` at `q`, by the exact distance; both or neither must be given.
+/// - "known": within `known_margin_m` (m; None: 0) of one of the bodies `known`.
 /// - "thinned": not the first in its voxel, a cube of the side `voxel_m` (m). Add the diagonal of a voxel, √3 `voxel_m`, to the
 ///   radius of the points, so that their balls cover what is left out.
 ///
@@ -67,12 +67,14 @@ pub fn filter_cloud<'py>(
     let pose = pose.map(|pose| pose_or_translation(Some(pose), "pose")).transpose()?;
     let crop = crop.map(box_of).transpose()?;
     let own = match (robot, q, own_margin_m) {
-        (Some(robot), Some(q), Some(margin_m)) => {
+        (Some(robot), Some(q), margin_m) => {
             let robot = &robot.get().robot;
-            Some((robot_solids(robot, &configuration(q, "q", robot)?), margin_m))
+            Some((robot_solids(robot, &configuration(q, "q", robot)?), margin_m.unwrap_or(0.0)))
         }
-        (_, _, None) => None,
-        _ => return Err(bad_value("own_margin_m needs `robot` and its configuration `q`")),
+        (None, None, None) => None,
+        (_, _, Some(_)) => return Err(bad_value("own_margin_m needs `robot` and its configuration `q`")),
+        (Some(_), None, None) => return Err(bad_value("robot needs its configuration `q`")),
+        (None, Some(_), None) => return Err(bad_value("q needs the `robot`")),
     };
     let known_margin_m = match (&known, known_margin_m) {
         (None, Some(_)) => return Err(bad_value("known_margin_m needs the bodies `known`")),

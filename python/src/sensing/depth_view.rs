@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use cranny_sense::{Camera, DepthImage, SensorModel, StoredView, View, Views};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict as _, PyDict};
 
 use crate::handover::array::{Numbers, copied, matrices, poses, shaped};
 use crate::handover::fault::{bad_value, fault};
@@ -92,7 +92,9 @@ impl PyDepthView {
         ] {
             keywords.set_item(key, value)?;
         }
-        let image = py.import("numpy")?.call_method1("array", (image,))?;
+        // A mask is a part of the image.
+        let with_mask = [("subok", true)].into_py_dict(py)?;
+        let image = py.import("numpy")?.getattr("array")?.call((image,), Some(&with_mask))?;
         let constructor = partial(py.get_type::<Self>().as_any(), &keywords)?;
         let made = Made::by(constructor, (image, copied(intrinsics)?, copied(pose)?))?;
         Ok(Self { view, dropped, made })
@@ -140,11 +142,13 @@ impl PyDepthView {
         (self.view.camera.height_px, self.view.camera.width_px)
     }
 
-    /// Depths in metres, (H, W), as float32; NaN where the depth is not valid.
+    /// Depths in metres, (H, W), as float32; NaN where the depth is not valid, also beyond the range of the sensor.
     #[getter]
     fn depths<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-        let depth = &self.view.depth;
-        shaped(py, depth.depths_m().to_vec(), &[depth.height(), depth.width()])
+        let View { depth, sensor, .. } = &self.view;
+        let range_m = sensor.nearest_m..=sensor.farthest_m;
+        let valid = |depth_m: &f32| if range_m.contains(&f64::from(*depth_m)) { *depth_m } else { f32::NAN };
+        shaped(py, depth.depths_m().iter().map(valid).collect(), &[depth.height(), depth.width()])
     }
 
     /// Focal lengths and principal point in pixels: (fx, fy, cx, cy).
@@ -182,7 +186,7 @@ impl PyDepthView {
         self.view.camera.pixel_count() - self.dropped.sum()
     }
 
-    /// Numbers of the other pixels: a dictionary of "zero", "nan", "infinite", "negative" and "out_of_range".
+    /// Numbers of the other pixels: a dictionary of "zero", "nan", "infinite", "negative", "masked" and "out_of_range".
     #[getter]
     fn dropped<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.dropped)

@@ -13,8 +13,10 @@ const MILLIMETRE_M: f64 = 0.001;
 pub struct DepthArray {
     pub width: usize,
     pub height: usize,
-    /// Depths (m), row by row, valid or not.
+    /// Depths (m), row by row, valid or not; NaN for masked pixels.
     pub depths_m: Vec<f32>,
+    /// Number of masked pixels.
+    masked: usize,
 }
 
 /// Numbers of pixels without a usable depth, by the reason.
@@ -24,6 +26,7 @@ pub struct DroppedDepths {
     pub nan: usize,
     pub infinite: usize,
     pub negative: usize,
+    pub masked: usize,
     pub out_of_range: usize,
 }
 
@@ -45,10 +48,10 @@ impl DepthArray {
         let dtype = array.getattr("dtype")?;
         let (kind, bytes): (String, usize) =
             (dtype.getattr("kind")?.extract()?, dtype.getattr("itemsize")?.extract()?);
-        let (name, masked, unit_m) = match (kind.as_str(), bytes) {
-            ("u", 2) => ("uint16", 0.0, MILLIMETRE_M),
-            ("f", 4) => ("float32", f64::NAN, 1.0),
-            ("f", 8) => ("float64", f64::NAN, 1.0),
+        let (name, unit_m) = match (kind.as_str(), bytes) {
+            ("u", 2) => ("uint16", MILLIMETRE_M),
+            ("f", 4) => ("float32", 1.0),
+            ("f", 8) => ("float64", 1.0),
             _ => return Err(bad_value(format!("image has dtype {dtype}, but {expected} is expected"))),
         };
         let shape: Vec<usize> = array.getattr("shape")?.extract()?;
@@ -64,8 +67,15 @@ impl DepthArray {
                 "scale is {unit_m}, but a unit in metres above 0 and at most 1 is expected"
             )));
         }
-        // Conversions of NumPy drop a mask.
-        let array = if array.hasattr("filled")? { array.call_method1("filled", (masked,))? } else { array };
+        // Conversions of NumPy drop a mask. Floats contain each uint16, and NaN.
+        let (array, name, masked) = if array.hasattr("filled")? {
+            let name = if name == "uint16" { "float32" } else { name };
+            let masked = numpy.getattr("ma")?.call_method1("count_masked", (&array,))?.extract()?;
+            let array = array.call_method1("astype", (name,))?.call_method1("filled", (f64::NAN,))?;
+            (array, name, masked)
+        } else {
+            (array, name, 0)
+        };
         let array = numpy.call_method1("ascontiguousarray", (array, name))?;
         #[allow(clippy::cast_possible_truncation, reason = "depths are stored as f32")]
         let depths_m = match name {
@@ -73,12 +83,12 @@ impl DepthArray {
             "float32" => in_metres(&array, |value: f32| (f64::from(value) * unit_m) as f32)?,
             _ => in_metres(&array, |value: f64| (value * unit_m) as f32)?,
         };
-        Ok(Self { width, height, depths_m })
+        Ok(Self { width, height, depths_m, masked })
     }
 
     /// Returns the numbers of pixels without a depth in the range of a sensor (m).
     pub fn dropped(&self, [nearest_m, farthest_m]: [f64; 2]) -> DroppedDepths {
-        let mut dropped = DroppedDepths::default();
+        let mut dropped = DroppedDepths { masked: self.masked, ..DroppedDepths::default() };
         for depth_m in &self.depths_m {
             if depth_m.is_nan() {
                 dropped.nan += 1;
@@ -92,14 +102,16 @@ impl DepthArray {
                 dropped.out_of_range += 1;
             }
         }
+        // A masked pixel is NaN.
+        dropped.nan -= self.masked;
         dropped
     }
 }
 
 impl DroppedDepths {
     pub fn sum(&self) -> usize {
-        let Self { zero, nan, infinite, negative, out_of_range } = self;
-        zero + nan + infinite + negative + out_of_range
+        let Self { zero, nan, infinite, negative, masked, out_of_range } = self;
+        zero + nan + infinite + negative + masked + out_of_range
     }
 }
 

@@ -167,7 +167,7 @@ pub fn sample_times(duration_s: f64, rate_hz: f64) -> Result<impl Iterator<Item 
     }
     // A sample this close to the end, as a share of the interval, is the end.
     const SAME_INSTANT: f64 = 1e-6;
-    let latest_s = duration_s - SAME_INSTANT / rate_hz;
+    let latest_s = duration_s - (SAME_INSTANT / rate_hz).min(0.5 * duration_s);
     let times = (0_u32..).map(move |k| f64::from(k) / rate_hz).take_while(move |t| *t < latest_s);
     Ok(times.chain(std::iter::once(duration_s)))
 }
