@@ -108,7 +108,7 @@ pub fn own_grasp(grasp: &FoundGrasp) -> String {
     let FoundGrasp { opening_m, score, uneven_m, .. } = grasp;
     let score = cranny_file::at_least(*score, 1.0, 2);
     let (opening, uneven) = (millimetres(*opening_m), uneven(*uneven_m));
-    format!("of its own (score {score}), fingers {opening} apart when closed{uneven}")
+    format!("of its own (score {score}), hand closed to {opening}{uneven}")
 }
 
 /// Difference of the travel of two fingers above which it is reported, in metres; smaller ones are invisible.
@@ -159,7 +159,8 @@ pub fn not_checked(pairs: &[NotChecked]) -> Vec<(&'static str, String)> {
         AdjacentAtJoint, AdjacentFree, AdjacentTouching, AdjacentUnproven, AlwaysTouching,
     };
     let alone = pairs.iter().filter_map(|NotChecked { first, second, depth_m, reason, contact }| {
-        let depth = at_most_mm(*depth_m);
+        // A depth below rounding is none.
+        let depth = at_most_mm(if *depth_m < 1e-9 { 0.0 } else { *depth_m });
         if let Some(AllowedContact { segment, allowance_m }) = contact {
             let (segment, allowance) = (<&str>::from(segment), at_most_mm(*allowance_m));
             let text = format!(

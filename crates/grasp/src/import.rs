@@ -83,6 +83,13 @@ fn imported(bytes: &[u8], settings: &ImportSettings) -> Result<Imported, String>
     let theirs_from_ours = frame(closing, offset_m);
     let ours =
         |grasp: Grasp| Grasp { world_from_gripper: grasp.world_from_gripper * theirs_from_ours, ..grasp };
+    if settings.object.is_some() && format != GraspFormat::GraspnetGroup {
+        let format: &str = format.into();
+        return Err(format!("a file of the format {format} has no ids of objects, so none can be chosen"));
+    }
+    if settings.min_score.is_some() && grasps.iter().all(|grasp| grasp.score.is_none()) {
+        return Err("its grasps have no scores, so none has the least score".to_owned());
+    }
     let before = grasps.len();
     let is_kept = |grasp: &Grasp| {
         settings.min_score.is_none_or(|least| grasp.score.is_some_and(|score| score >= least))
@@ -91,7 +98,7 @@ fn imported(bytes: &[u8], settings: &ImportSettings) -> Result<Imported, String>
     let below = below + before - grasps.len();
     if grasps.is_empty() {
         return Err(format!(
-            "of its {in_file} grasps {masked} are masked or invalid and {below} score too low: none is left"
+            "of its {in_file} grasps {masked} are masked, invalid or of another object and {below} score too low: none is left"
         ));
     }
     let grasps = GraspSet::new(grasps).map_err(|fault| fault.to_string())?;

@@ -67,7 +67,8 @@ const GRASPS: &str = "grasps";
 const HOLD_DEMANDED: &str = "hold_demanded";
 
 /// The only figures that depend on the set of grasps: no motion does.
-const OF_GRASPS: [&str; 5] = ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp", "picks"];
+const OF_GRASPS: [&str; 6] =
+    ["grasp", "translation_error_m", "rotation_error_rad", "own_grasp", "picks", "least_length"];
 
 /// Keys whose values are measured again.
 const MEASURED: [&str; 22] = [

@@ -2,8 +2,9 @@ use cranny_collision::{Body, Part, World};
 use cranny_file::counted;
 use cranny_grasp::{GraspSet, SamplerSettings, TooWide};
 use cranny_robot::{Link, Robot};
-use cranny_shape::{Surface, separation};
-use cranny_spatial::{Point, Pose};
+use cranny_shape::{Solid, Surface, separation};
+use cranny_spatial::{Point, Pose, Vector};
+use cranny_task::{PlaceGoal, PlaceRegion};
 
 use crate::object::mesh_repairs::{body_repairs, link_repairs};
 use crate::{DEFAULT_FRICTION, Scenario, measured_opening_m};
@@ -120,6 +121,28 @@ impl Scenario {
             ));
         }
         odd
+    }
+
+    /// Returns a message on each place whose rectangle is above the body that it is stated to lie on: nothing can be put down there.
+    pub fn hovering_places(&self) -> Vec<String> {
+        /// Greatest height above a support at which an object is still put down, in metres.
+        const RESTING_M: f64 = 1e-3;
+        let above = |place: &PlaceGoal| {
+            let PlaceRegion::Surface { on, pose, size_m: [x, y] } = &place.spot else { return None };
+            let support = self.world.bodies().iter().find(|body| body.name == *on)?;
+            let rectangle = Solid::cuboid(Vector::new(0.5 * x, 0.5 * y, 1e-6)).ok()?;
+            let gap_m = |part: &Part| {
+                separation(&rectangle, pose, &part.solid, &part.world_from_solid, f64::INFINITY).lower_m
+            };
+            let gap_m = support.parts.iter().map(gap_m).fold(f64::INFINITY, f64::min);
+            let name = &place.name;
+            let stated = format!(
+                "place '{name}' is {:.1} mm away from '{on}', on which it is stated to lie",
+                1e3 * gap_m
+            );
+            (gap_m > RESTING_M).then_some(stated)
+        };
+        self.places.iter().filter_map(above).collect()
     }
 
     /// Returns a message on grasps whose stated and computed loads differ: their number and the first; `None` if all agree.

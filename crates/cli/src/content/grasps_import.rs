@@ -130,7 +130,7 @@ impl Answered<'_> {
         let mut page = format!("{}: {} of {in_file} ({format})\n", file.display(), counted(*grasps, "grasp"));
         let _ = writeln!(
             page,
-            "  left out      {masked} masked or invalid, {below_min_score} below the least score"
+            "  left out      {masked} masked, invalid or of another object, {below_min_score} below the least score"
         );
         let _ = writeln!(
             page,

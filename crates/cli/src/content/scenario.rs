@@ -290,8 +290,17 @@ pub fn run(arguments: &ScenarioArguments, output: Output) -> Result<Answer, Fail
         ScenarioCommand::From(arguments) => scenario_from::convert(arguments, output),
         ScenarioCommand::Export(arguments) => {
             let recipe = Recipe::of_scenario(&Scenario::open(&arguments.id, &OpenOptions::default())?)?;
+            if recipe.target.is_none() {
+                return Err(Failure::NoTarget { id: arguments.id.clone() });
+            }
             write_whole_folder(&arguments.output, |folder| recipe.write_released(folder))?;
-            written("folder", &arguments.output, output)
+            let losses = recipe.released_losses();
+            let page = || {
+                let written = format!("written to {}", arguments.output.display());
+                losses.iter().fold(written, |page, loss| page + "\n  " + loss) + "\n"
+            };
+            text::answer(&serde_json::json!({ "folder": arguments.output, "losses": losses }), page, output)?;
+            Ok(Answer::Done)
         }
         ScenarioCommand::Sweep(arguments) => sweep(arguments, output),
         ScenarioCommand::Generate(arguments) => generate(arguments, output),

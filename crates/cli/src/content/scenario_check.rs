@@ -33,6 +33,7 @@ pub fn checked(id: &str, output: Output) -> Result<Answer, Failure> {
         let faults = crate::start::faults(&problem);
         problems.extend(faults.into_iter().map(|fault| format!("the start is not free: {fault}")));
         problems.extend(scenario.misplaced_grasps());
+        problems.extend(scenario.hovering_places());
         for task in &scenario.tasks {
             let request = Request { stages: task.stages.clone(), ..Request::default() };
             problems

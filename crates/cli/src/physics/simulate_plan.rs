@@ -274,12 +274,16 @@ fn page_of(name: &str, row: &PlanRow) -> String {
         format!("{}, {} off", millimetres(error.translation_m), degrees(error.rotation_rad))
     };
     if let Some(Released { position_m: [x, y, z], off: at, .. }) = &row.released {
-        let _ = writeln!(page, "  it was released at ({x:.3}, {y:.3}, {z:.3}) m, {}", off(at));
+        let _ = writeln!(
+            page,
+            "  it was released at ({x:.3}, {y:.3}, {z:.3}) m in the planning frame, {}",
+            off(at)
+        );
     }
     if let Some(placed) = &row.placed {
         let stands = if placed.is_there { "stands where" } else { "does NOT stand where" };
         let [x, y, z] = row.position_m;
-        let at = format!("({x:.3}, {y:.3}, {z:.3}) m, {}", off(placed));
+        let at = format!("({x:.3}, {y:.3}, {z:.3}) m in the planning frame, {}", off(placed));
         let _ = writeln!(page, "  2 s later it {stands} it was to be put down: it is at {at}");
     }
     page

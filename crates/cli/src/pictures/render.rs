@@ -56,9 +56,9 @@ pub struct RenderArguments {
     /// for each of --all]
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<(usize, usize)>,
-    /// Direction of the view
-    #[arg(long, value_enum, default_value_t = ViewArgument::ThreeQuarter)]
-    pub view: ViewArgument,
+    /// Direction of the view [default: three-quarter]
+    #[arg(long, value_enum)]
+    pub view: Option<ViewArgument>,
     /// Camera direction instead of --view: degrees turned to the left from straight ahead, and above the ground
     #[arg(long, value_name = "TURN,RISE", value_parser = direction, conflicts_with = "view",
           allow_hyphen_values = true)]
@@ -67,21 +67,21 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(..=MOST_GHOSTS),
           allow_negative_numbers = true)]
     pub ghosts: Option<u8>,
-    /// Number of grasps shown beside the chosen one, spread over the scores
-    #[arg(long, value_name = "N", default_value_t = SceneSettings::default().grasps)]
-    pub grasps: usize,
+    /// Number of grasps shown beside the chosen one, spread over the scores [default: 14]
+    #[arg(long, value_name = "N")]
+    pub grasps: Option<usize>,
     /// Show the robot at this time of a plan's motion, in seconds, instead of its end, in a .png
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
-    /// Frame rate of an animation in Hz, 1 to 50
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=50))]
-    pub rate: u16,
+    /// Frame rate of an animation in Hz, 1 to 50 [default: 20]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=50))]
+    pub rate: Option<u16>,
     /// Playback speed of an animation, 0.01 to 100: 1 is real time, 2 twice as fast [default: 1]
     #[arg(long, value_name = "FACTOR", value_parser = speed, allow_negative_numbers = true)]
     pub speed: Option<f64>,
-    /// Antialiasing samples per pixel
-    #[arg(long, value_name = "N", default_value = "4", value_parser = ["1", "4", "8"])]
-    pub samples: String,
+    /// Antialiasing samples per pixel [default: 4]
+    #[arg(long, value_name = "N", value_parser = ["1", "4", "8"])]
+    pub samples: Option<String>,
     /// Repeat each plan's search, as its file states it, and show its trees in .html
     #[arg(long)]
     pub search_tree: bool,
@@ -108,6 +108,38 @@ pub enum ViewArgument {
     Top,
     /// All four in one picture
     All,
+}
+
+impl RenderArguments {
+    /// Returns the directions of the view.
+    pub fn views(&self) -> Vec<StandardView> {
+        self.view.unwrap_or(ViewArgument::ThreeQuarter).views()
+    }
+
+    /// Refuses flags that have no effect on a format.
+    fn check_flags(&self, format: Format) -> Result<(), Failure> {
+        let is_drawn = !matches!(format, Format::Glb | Format::Html);
+        let is_recording = self.id.as_deref().and_then(recording::file_of).is_some();
+        for (name, is_given, has_effect) in [
+            ("view", self.view.is_some(), is_drawn),
+            ("camera", self.camera.is_some(), is_drawn),
+            ("size", self.size.is_some(), is_drawn),
+            ("samples", self.samples.is_some(), is_drawn),
+            ("solid", self.solid, is_drawn),
+            ("ghosts", self.ghosts.is_some(), is_drawn && !is_recording),
+            ("grasps", self.grasps.is_some(), format != Format::Html && !is_recording),
+            ("rate", self.rate.is_some(), format.is_moving()),
+        ] {
+            if is_given && !has_effect {
+                let file = self.output.display();
+                return Err(flag(
+                    name,
+                    &format!("has no effect on {file}; leave it out, or give another -o"),
+                ));
+            }
+        }
+        Ok(())
+    }
 }
 
 impl ViewArgument {
@@ -137,6 +169,12 @@ pub struct Rendered {
 /// Sample rate of an animated glTF, in Hz; viewers interpolate between the samples.
 pub const GLTF_RATE_HZ: f64 = 30.0;
 
+/// Default frame rate of a moving picture, in Hz.
+const DEFAULT_RATE_HZ: u16 = 20;
+
+/// Number of samples of a motion for each picture.
+const SAMPLES_PER_PICTURE: f64 = 4.0;
+
 /// Maximum number of ghost poses; more would hide the path.
 const MOST_GHOSTS: i64 = 100;
 
@@ -165,7 +203,10 @@ pub fn run(arguments: &RenderArguments, registry: &Registry, output: Output) -> 
                 "a film has a speed: give -o a name that ends in .gif, .apng, .mp4, .glb or /",
             ));
         }
-        (Some(id), _) => one(id, arguments, format, registry, output)?,
+        (Some(id), _) => {
+            arguments.check_flags(format)?;
+            one(id, arguments, format, registry, output)?
+        }
         (None, _) => return Err(flag("all", "give the ID of a scenario, or --all")),
     };
     rendered.answer(output)
@@ -204,7 +245,9 @@ fn one(
 ) -> Result<Rendered, Failure> {
     let is_moving = format.is_moving();
     let speed = arguments.speed.unwrap_or(1.0);
-    let rate_hz = if is_moving { f64::from(arguments.rate) } else { GLTF_RATE_HZ } / speed;
+    let pictures_hz = f64::from(arguments.rate.unwrap_or(DEFAULT_RATE_HZ));
+    // Samples are finer than pictures, because each stretch of a motion has samples at its ends.
+    let rate_hz = if is_moving { SAMPLES_PER_PICTURE * pictures_hz } else { GLTF_RATE_HZ } / speed;
     let (width, height) = arguments.size.unwrap_or(if is_moving { (640, 480) } else { (1280, 960) });
     render_film::check(format, (width, height))?;
     let plan = arguments.plans.first().map(PathBuf::as_path);
@@ -213,7 +256,7 @@ fn one(
         None => scene(id, plan, arguments, rate_hz, output)?,
     };
     let settings = settings(&scene, arguments, (width, height), if is_moving { 0 } else { 3 })?;
-    let seen_through = scene.seen_through(&arguments.view.views(), &settings);
+    let seen_through = scene.seen_through(&arguments.views(), &settings);
     let mut rendered = Rendered { triangles: scene.triangle_count(), seen_through, ..Rendered::default() };
     let file = &arguments.output;
     match format {
@@ -232,8 +275,9 @@ fn one(
             let moving = MovingPicture {
                 scene: &scene,
                 settings: &settings,
-                views: arguments.view.views(),
-                rate_hz: arguments.rate,
+                views: arguments.views(),
+                rate_hz: arguments.rate.unwrap_or(DEFAULT_RATE_HZ),
+                step_s: speed / pictures_hz,
                 format,
             };
             let count = render_film::write(&moving, file, output)?;
@@ -269,7 +313,7 @@ fn page(
 
 /// Renders one view, or four of half the size.
 fn views(scene: &Scene, arguments: &RenderArguments, settings: &PictureSettings) -> Result<Picture, Failure> {
-    let views = arguments.view.views();
+    let views = arguments.views();
     if let [view] = views[..] {
         return Ok(Picture::of(scene, view, settings)?);
     }
@@ -326,7 +370,9 @@ pub fn scene(
         }
         (_, None) => None,
     };
-    Ok(Scene::of_task(&scenario, path.as_ref(), &SceneSettings { grasps: arguments.grasps })?)
+    let scene_settings =
+        arguments.grasps.map_or_else(SceneSettings::default, |grasps| SceneSettings { grasps });
+    Ok(Scene::of_task(&scenario, path.as_ref(), &scene_settings)?)
 }
 
 pub fn settings(
@@ -341,7 +387,7 @@ pub fn settings(
     Ok(PictureSettings {
         width,
         height,
-        samples: arguments.samples.parse().unwrap_or(4),
+        samples: arguments.samples.as_deref().and_then(|samples| samples.parse().ok()).unwrap_or(4),
         frame,
         ghosts: arguments.ghosts.map_or(ghosts, usize::from),
         camera,

@@ -41,6 +41,8 @@ pub struct MovingPicture<'a> {
     /// Requested views: one.
     pub views: Vec<StandardView>,
     pub rate_hz: u16,
+    /// Time of the motion between two pictures, in seconds.
+    pub step_s: f64,
     pub format: Format,
 }
 
@@ -51,12 +53,25 @@ pub fn write(moving: &MovingPicture, file: &Path, output: Output) -> Result<usiz
     let [view] = moving.views[..] else {
         return Err(refused("view", "a moving picture has one view; 'all' is for .png"));
     };
-    let Some(last) = scene.last_frame() else {
+    let times_s = scene.motion.as_ref().map_or(&[][..], |motion| &motion.times_s);
+    let Some(&last_s) = times_s.last() else {
         let problem = "nothing moves without a plan: name a plan file, or write .png or .glb";
         return Err(refused("output", problem));
     };
-    let frames: Vec<usize> = (0..=last).collect();
-    check_length(frames.len(), format, settings)?;
+    // At equal steps of time up to the first one at or after the end; the end itself is shown last.
+    let nearest = |instant_s: f64| {
+        let after = times_s.partition_point(|time_s| *time_s < instant_s).min(times_s.len() - 1);
+        let before = after.saturating_sub(1);
+        if instant_s - times_s[before] < times_s[after] - instant_s { before } else { after }
+    };
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "saturates, and is refused then"
+    )]
+    let steps = (last_s / moving.step_s - 1e-9).ceil().max(0.0) as usize;
+    check_length(steps.saturating_add(1), format, settings)?;
+    let frames: Vec<usize> = (0..=steps).map(|step| nearest(step as f64 * moving.step_s)).collect();
     let bar = progress::bar(frames.len() as u64, output.quiet);
     bar.set_message("pictures");
     let counted = |picture| {

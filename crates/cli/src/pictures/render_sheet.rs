@@ -29,7 +29,7 @@ pub fn run(arguments: &RenderArguments, output: Output) -> Result<Answer, Failur
     let entries: Vec<_> = cranny_scenario::built_in().collect();
     let bar = progress::bar(entries.len() as u64, output.quiet);
     bar.set_message("scenarios");
-    let [view] = arguments.view.views()[..] else {
+    let [view] = arguments.views()[..] else {
         return Err(flag("view", "a sheet has one view of each scenario"));
     };
     // With --all the only free argument is the folder of plans.

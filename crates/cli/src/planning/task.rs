@@ -27,6 +27,8 @@ pub struct Demand {
     pub robot: Option<PathBuf>,
     pub geometry: Option<Geometry>,
     pub grasps: GivenGrasps,
+    /// File of grasps that a plan states and that does not exist.
+    pub lost_grasps: Option<PathBuf>,
     pub margins: Margins,
     /// Required tolerance of the target's pose error.
     pub robust: Option<PoseRadius>,
@@ -35,19 +37,25 @@ pub struct Demand {
 impl Demand {
     /// Returns the settings that a plan was made for, with the scenario's own grasps if its file of grasps no longer exists.
     pub fn of_plan(plan: &PlanFile) -> Self {
-        let grasps = match plan.given_grasps() {
-            GivenGrasps::File(file) if !file.is_file() => GivenGrasps::Own,
-            given => given,
+        let (grasps, lost_grasps) = match plan.given_grasps() {
+            GivenGrasps::File(file) if !file.is_file() => (GivenGrasps::Own, Some(file)),
+            given => (given, None),
         };
         let (robot, geometry) = (plan.robot.clone().map(PathBuf::from), plan.given_geometry());
-        Self { criterion: Some(plan.criterion), robot, geometry, grasps, margins: plan.margins, robust: None }
+        let criterion = Some(plan.criterion);
+        Self { criterion, robot, geometry, grasps, lost_grasps, margins: plan.margins, robust: None }
     }
 }
 
 impl Task {
     /// Opens the task of the flags, with the values of `otherwise` for the others.
     pub fn open(arguments: &TaskArguments, otherwise: Demand, output: Output) -> Result<Self, Failure> {
-        let Demand { criterion, robot, geometry, grasps, margins, robust } = otherwise;
+        let Demand { criterion, robot, geometry, grasps, lost_grasps, margins, robust } = otherwise;
+        if let Some(file) = lost_grasps.filter(|_| arguments.grasps.is_none()) {
+            let file = file.display();
+            let own = "the scenario's own grasps take their place (--grasps FILE names others)";
+            text::note(&format!("{file}: the plan's file of grasps does not exist here; {own}"))?;
+        }
         let options = OpenOptions {
             criterion: arguments.criterion.map(Criterion::from).or(criterion),
             robot: arguments.robot.clone().or(robot),

@@ -13,7 +13,7 @@ use crate::layout::recipe_file::{configurations_text, file_name};
 use crate::layout::released;
 use crate::layout::released_frame::planning_from_scene;
 use crate::layout::released_grasps;
-use crate::{PAPER_FRICTION, ScenarioError};
+use crate::{DEFAULT_FRICTION, ScenarioError};
 
 /// Object library of the folder, relative to it.
 const LIBRARY: &str = "object_library";
@@ -25,7 +25,7 @@ impl Recipe {
     /// Writes the scenario as a folder in the paper's released layout, with its own object library, so that the released
     /// programs run on it: `scene.yaml`, `grasps.npy`, `object_library/` and `export/` with grasps, start, IK solutions and
     /// `obstacles.obj`. The latter contains the true shapes, target first. Spheres, cylinders and capsules become meshes with
-    /// their vertices on the surface. `scene.yaml` is written last.
+    /// their vertices on the surface. `scene.yaml` is written last. [`Self::released_losses`] lists what the layout cannot hold.
     ///
     /// # Errors
     /// [`ScenarioError::Unwritable`], [`ScenarioError::ShapeFile`], and [`ScenarioError::TargetCount`] for a
@@ -44,9 +44,9 @@ impl Recipe {
         let mut library = String::from("description: no description available\nname: cranny\nobjects:\n");
         let physics = self.target_physics();
         let of_target =
-            (physics.mass_kg.unwrap_or(OBJECT_MASS_KG), physics.least_friction().unwrap_or(PAPER_FRICTION));
+            (physics.mass_kg.unwrap_or(OBJECT_MASS_KG), physics.least_friction().unwrap_or(DEFAULT_FRICTION));
         // A simulator fixes an object without mass in space.
-        let of_obstacle = (0.0, PAPER_FRICTION);
+        let of_obstacle = (0.0, DEFAULT_FRICTION);
         for (body, (mass_kg, friction)) in
             std::iter::once((target, of_target)).chain(self.obstacles.iter().map(|body| (body, of_obstacle)))
         {

@@ -62,8 +62,8 @@ impl Animation {
     }
 }
 
-/// Duration of the last picture before the animation repeats, in pictures.
-const LAST_STANDS: u16 = 20;
+/// Duration of the last picture before the animation repeats, in seconds.
+const LAST_STANDS_S: u16 = 1;
 
 impl Animation {
     /// Writes an animated PNG, which browsers show as a picture.
@@ -81,7 +81,7 @@ impl Animation {
             let mut writer = encoder.write_header()?;
             for (index, picture) in self.pictures.iter().enumerate() {
                 if index + 1 == self.pictures.len() {
-                    writer.set_frame_delay(LAST_STANDS, self.rate_hz)?;
+                    writer.set_frame_delay(LAST_STANDS_S, 1)?;
                 }
                 writer.write_image_data(&picture.bytes())?;
             }
@@ -108,8 +108,10 @@ impl Animation {
                 const SPEED: i32 = 10;
                 let mut frame = gif::Frame::from_rgb_speed(width, height, &picture.bytes(), SPEED);
                 let is_last = index + 1 == self.pictures.len();
-                // The delay is in hundredths of a second.
-                frame.delay = (100 / self.rate_hz.max(1)) * if is_last { LAST_STANDS } else { 1 };
+                // The delay is in hundredths of a second, so that delays differ by one at rates that do not divide 100.
+                let end = |count: usize| 100 * count / usize::from(self.rate_hz.max(1));
+                let delay = u16::try_from(end(index + 1) - end(index)).unwrap_or(1);
+                frame.delay = if is_last { 100 * LAST_STANDS_S } else { delay };
                 encoder.write_frame(&frame)?;
             }
             Ok(())
