@@ -27,7 +27,6 @@ mod handover;
 mod live_page;
 mod moveit;
 mod picture;
-mod placement;
 mod plan;
 mod planning;
 mod results;

@@ -27,7 +27,6 @@ use crate::handover::pickled::{Made, Reduced, absolute};
 use crate::handover::whole;
 use crate::moveit::scene::with_scene;
 use crate::picture::picture;
-use crate::placement::without_lost_places;
 use crate::sensing::seen_summary::SeenSummary;
 
 #[pymethods]
@@ -315,7 +314,7 @@ impl PyScenario {
     /// target there are no poses to place it either.
     fn without_body(slf: &Bound<'_, Self>, name: &str) -> PyResult<Self> {
         let scenario = slf.get().scenario.without_body(name).map_err(fault)?;
-        Self::altered(slf, without_lost_places(scenario), ("without_body", name))
+        Self::altered(slf, scenario.without_lost_places(), ("without_body", name))
     }
 
     /// Returns the scenario with target and grasps moved by `motion` in the planning frame, (3,) in metres or (4, 4).
@@ -356,7 +355,7 @@ impl PyScenario {
     /// out, and the tasks that name such a place.
     fn with_target(slf: &Bound<'_, Self>, name: &str) -> PyResult<Self> {
         let own = slf.get();
-        let scenario = without_lost_places(own.scenario.with_target(name).map_err(fault)?);
+        let scenario = own.scenario.with_target(name).map_err(fault)?.without_lost_places();
         let is_own = own.scenario.target == scenario.target;
         let altered = Self::altered(slf, scenario, ("with_target", name))?;
         Ok(if is_own { altered } else { Self { given_grasps: GivenGrasps::None, goals: None, ..altered } })
@@ -415,7 +414,7 @@ impl PyScenario {
     /// robot and grasps stay. An object with the target's name replaces the target. Places on bodies that are then missing, and the
     /// tasks that name them, are left out.
     fn with_moveit_scene(slf: &Bound<'_, Self>, path: PathBuf) -> PyResult<Self> {
-        let scenario = without_lost_places(with_scene(&slf.get().scenario, &path)?);
+        let scenario = with_scene(&slf.get().scenario, &path)?.without_lost_places();
         let caller = slf.getattr("with_moveit_scene")?;
         let made = Made::opened(&caller, (absolute(&path)?,), &PyDict::new(slf.py()))?;
         Ok(Self { made, ..Self::with(slf, scenario) })

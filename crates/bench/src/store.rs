@@ -12,4 +12,5 @@ pub(crate) mod results_row;
 pub(crate) mod run_information;
 pub(crate) mod shard;
 pub(crate) mod simulated_grasp;
+pub(crate) mod stored_paths;
 pub(crate) mod stored_trial;

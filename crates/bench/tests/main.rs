@@ -14,6 +14,7 @@ mod merging;
 mod ompl_log;
 mod report;
 mod report_page;
+mod report_warnings;
 mod results;
 mod shards;
 mod statistics;

@@ -3,7 +3,7 @@
 #![allow(clippy::float_cmp, reason = "figures that are copied must be the same to the last bit")]
 
 use cranny_bench::report::{
-    Comparison, Enclosure, Finding, Measure, Overall, ScenarioClass, SuccessCurve, Summary, plots,
+    Comparison, Finding, Measure, Overall, ScenarioClass, SuccessCurve, Summary, plots,
 };
 use cranny_bench::{BenchError, Run, StoredTrial, TrialOutcome};
 use cranny_task::Criterion;
@@ -13,7 +13,7 @@ use strum::VariantArray as _;
 use crate::synthetic::{Campaign, Manner, add, campaign, empty};
 
 /// Creates twenty runs of one planner on 021 with a time limit of 10 s, to be modified.
-fn plain() -> Campaign {
+pub fn plain() -> Campaign {
     let (mut campaign, mut draw) = empty();
     let manner = Manner {
         planner: "reach",
@@ -27,7 +27,8 @@ fn plain() -> Campaign {
     campaign
 }
 
-fn end(trial: &mut StoredTrial, outcome: TrialOutcome, time_s: f64) {
+/// Ends a trial with an outcome after a time.
+pub fn end(trial: &mut StoredTrial, outcome: TrialOutcome, time_s: f64) {
     trial.record.outcome = outcome;
     trial.record.statistics.planning_time_s = time_s;
 }
@@ -139,53 +140,6 @@ fn a_solved_run_without_an_iteration_counts_in_their_median() {
     }
     let iterations = campaign.summary().rows[0].iterations.expect("counts");
     assert_eq!((iterations.count, iterations.median, iterations.greatest), (20, 0.0, 9.0));
-}
-
-#[test]
-fn a_sandbox_and_workers_that_nobody_recorded_are_unknown() {
-    let mut campaign = plain();
-    campaign.trials.iter_mut().for_each(|trial| trial.record.trial.settings = r#"{"exec":["x"]}"#.to_owned());
-    let says = |campaign: &Campaign, words: &str| {
-        campaign.summary().warnings.iter().any(|warning| warning.contains(words))
-    };
-    let (open, unknown) = ("ran without namespaces", "programs whose sandbox is unknown");
-    assert!(says(&campaign, open) && !says(&campaign, unknown));
-    let information = &mut campaign.runs[0].information;
-    (information.memory_limit_bytes, information.workers) = (None, 0);
-    assert!(!says(&campaign, open) && says(&campaign, unknown));
-    let page = campaign.summary().html(&Enclosure::default());
-    assert!(page.contains("<td class=\"words\">unknown</td>"));
-    campaign.runs[0].information.sandbox = Some("landlock, namespaces".to_owned());
-    assert!(!says(&campaign, open) && !says(&campaign, unknown));
-    campaign.runs.clear();
-    assert!(!says(&campaign, open) && says(&campaign, unknown));
-}
-
-#[test]
-fn a_program_that_ended_at_its_limit_did_not_end_before_it() {
-    let mut campaign = plain();
-    for trial in &mut campaign.trials {
-        trial.record.trial.settings = r#"{"exec":["x"]}"#.to_owned();
-        end(trial, TrialOutcome::NoReachableGrasp, 10.3);
-    }
-    let says = |campaign: &Campaign| {
-        campaign
-            .summary()
-            .warnings
-            .iter()
-            .any(|warning| warning.contains("without a path before the time limit"))
-    };
-    assert!(!says(&campaign));
-    end(&mut campaign.trials[0], TrialOutcome::NoReachableGrasp, 9.0);
-    assert!(says(&campaign));
-}
-
-#[test]
-fn a_shard_without_a_run_is_named() {
-    let mut campaign = plain();
-    campaign.runs[0].information.command = "cranny bench run a.yaml --shard 1/2 -o a.db".to_owned();
-    let warnings = campaign.summary().warnings;
-    assert!(warnings[0].starts_with("No run of shard 2/2 is among these results"), "{warnings:?}");
 }
 
 #[test]

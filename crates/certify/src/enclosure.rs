@@ -60,7 +60,7 @@ pub(crate) struct Boxes {
 }
 
 impl<'a> Base<'a> {
-    /// Returns the slides above the first joint that turns, if any, and the reach from there.
+    /// Returns the slides above the first joint that turns, if any, and the reach from there, with `start` (m, rad; one per joint).
     pub fn new(cell: &'a Cell, model: &'a Model, start: &'a [f64]) -> Option<Self> {
         let chain = model.chain(None, cell.robot().tip());
         let joint = |link: usize| model.objects[link].motion.as_ref().and_then(|motion| motion.joint);

@@ -109,11 +109,12 @@ pub fn with_scene_line(text: &str, begin: &str, line: &str) -> String {
 /// Writes a gap between two walls, of this width, and a box 0.55 m farther behind it than in the paper.
 fn deep_gap(folder: &Path, width_m: f64) -> PathBuf {
     let (first, last) = (width_m.to_string(), (width_m - 0.01).to_string());
+    let set = format!("gaps-{first}");
     let sweep =
-        ["scenario", "sweep", "gap", "--from", &first, "--to", &last, "--steps", "2", "-o", "gaps", "-q"];
+        ["scenario", "sweep", "gap", "--from", &first, "--to", &last, "--steps", "2", "-o", &set, "-q"];
     let (code, printed) = cranny(folder, &sweep);
     assert_eq!(code, Some(0), "{printed}");
-    let scene = folder.join(format!("gaps/gap-{width_m:.4}"));
+    let scene = folder.join(&set).join(format!("gap-{width_m:.4}"));
     let file = scene.join("scenario.yaml");
     let text = std::fs::read_to_string(&file).expect("a scenario");
     let (before, target) = text.split_once("target:").expect("a target");
@@ -136,7 +137,7 @@ fn deep_gap(folder: &Path, width_m: f64) -> PathBuf {
     scene
 }
 
-/// Where the base cannot pass, both checkers accept that no motion exists; where it can, there is no such certificate.
+/// Both checkers accept that no motion exists if the base cannot pass; if it can, there is no such certificate.
 #[test]
 fn that_no_motion_exists_is_certified() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -183,7 +183,8 @@ fn change(text: &str, kind: usize, random: &mut Stream) -> String {
         3 => drop(lines.remove(at)),
         4 => lines.insert(at, lines[at].clone()),
         5 => {
-            lines[at] = lines[other].clone();
+            let from = lines[other].clone();
+            lines[at] = from;
         }
         6 => lines.swap(point, points[pick(0, points.len())]),
         7 | 8 => {

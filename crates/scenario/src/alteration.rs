@@ -1,10 +1,13 @@
 //! Scenarios derived from others: a body added, removed or moved.
 
+use std::mem::take;
+
 use cranny_collision::{Body, World};
 use cranny_grasp::GraspSet;
 use cranny_spatial::Pose;
+use cranny_task::{Pick, PlaceAt, PlaceGoal, PlaceRegion, Stage};
 
-use crate::{Scenario, ScenarioError};
+use crate::{NamedTask, Scenario, ScenarioError};
 
 impl Scenario {
     /// Returns the scenario with an additional obstacle. The triangles of a released export do not contain it and are dropped.
@@ -21,6 +24,26 @@ impl Scenario {
         bodies.insert(behind, body);
         let target = self.target.map(|target| target + 1);
         Ok(Self { world: self.world.with_bodies(bodies)?, target, export: None, ..self.clone() })
+    }
+
+    /// Returns the scenario without the places on bodies that are not, or no longer, its obstacles, without poses to place a target that it
+    /// does not have, and without the tasks that name such a place or such a body.
+    #[must_use]
+    pub fn without_lost_places(mut self) -> Self {
+        let (mut places, mut tasks) = (take(&mut self.places), take(&mut self.tasks));
+        let Self { world, target, .. } = &self;
+        let is_obstacle = |name: &str| world.body_index(name).is_ok_and(|body| Some(body) != *target);
+        places.retain(|place: &PlaceGoal| match &place.spot {
+            PlaceRegion::Surface { on, .. } => is_obstacle(on),
+            PlaceRegion::Target(_) => target.is_some(),
+        });
+        let is_known = |stage: &Stage| match stage {
+            Stage::Pick(Pick { object: Some(object), .. }) => world.body_index(object).is_ok(),
+            Stage::Place(PlaceAt { place, .. }) => places.iter().any(|known| known.name == *place),
+            Stage::Pick(_) | Stage::Move(_) => true,
+        };
+        tasks.retain(|task: &NamedTask| task.stages.iter().all(is_known));
+        Self { places, tasks, ..self }
     }
 
     /// Returns the scenario without the named body; without the target, it has no target.

@@ -18,6 +18,5 @@ pub(crate) mod released;
 pub(crate) mod released_export;
 pub(crate) mod released_frame;
 pub(crate) mod released_grasps;
-mod released_losses;
 pub(crate) mod released_objects;
 pub(crate) mod template;

@@ -11,7 +11,7 @@ use crate::report::row::{GoalRow, Group, Row};
 use crate::report::split_row::{SplitRow, split_rows};
 use crate::report::warning::{few_runs, warnings};
 use crate::report::worst_trial::{WorstTrial, worst_trials};
-use crate::store::results_row;
+use crate::store::stored_paths;
 use crate::{BenchError, Results, Run, ScenarioSource, Shard, StoredTrial};
 
 /// All figures of a report, regardless of the order of the trials. Pages, tables and plots derive from it alone and thus agree.
@@ -65,7 +65,7 @@ impl Summary {
     /// Those of reading the results, and those of [`Self::of`]; [`BenchError::Row`] if a trial is solved without a path, or its
     /// path is cut.
     pub fn of_results(results: &Results) -> Result<Self, BenchError> {
-        results_row::check_paths(results)?;
+        stored_paths::check_paths(results)?;
         Self::of(&SummarySource {
             results: &results.path().display().to_string(),
             trials: &results.trials()?,

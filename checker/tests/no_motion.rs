@@ -1,0 +1,90 @@
+//! Certificates that no motion exists.
+
+use cranny_check::check;
+
+use super::{python, with_hash};
+
+/// A cart with an arm of 0.2 m stands before a wall, and the goal is behind it.
+const WALL: &str = "cranny-certificate/1
+scene wall
+joint x -1 1
+joint turn -3 3
+link base - 0 0 0 1 0 0 0 fixed
+link cart 0 0 0 0 1 0 0 0 slide 0 1 0 1 0 0
+box 0 0 0 1 0 0 0 0.1 0.1 0.1
+link arm 1 0 0 0 1 0 0 0 turn 1 1 0 0 0 1
+link hand 2 0.2 0 0 1 0 0 0 fixed
+body wall
+box 0.5 0 0 1 0 0 0 0.05 1 1
+margin 0
+start -0.5 0
+tip 3
+goal end 0.9 0 0 1 0 0 0
+hash -
+none 2
+boxes s0 . s0 s0 . s0 . 4,0,1,0,0.46,0,0 .
+end
+";
+
+/// Boxes of joint values show, to both checkers, that no motion exists, and nothing else does.
+#[test]
+fn that_no_motion_exists_is_checked() {
+    let found = check(&with_hash(WALL).unwrap()).unwrap();
+    assert_eq!(
+        found[1..],
+        ["no motion leads to a goal: 3 of 4 boxes are left to the start", "goal end 0.9 0 0 1 0 0 0"]
+    );
+    let box_of_cart = "box 0 0 0 1 0 0 0 0.1 0.1 0.1";
+    let mark = "4,0,1,0,0.46,0,0";
+    for (holds, from, to) in [
+        // The reach may count from any link that only the slide moves, and the point may be of either object.
+        (true, "none 2", "none 1 0"),
+        (true, mark, "s0 1,0,4,0,0.08,0.01,0 4,0,1,0,0.46,0,0"),
+        (true, box_of_cart, "cylinder 0 0 0 0.7071067811865476 0 0.7071067811865476 0 0.1 0.1"),
+        (true, box_of_cart, "ball 0 0 0 1 0 0 0 0.1"),
+        (true, box_of_cart, "capsule 0 0 0 0.7071067811865476 0 0.7071067811865476 0 0.05 0.06"),
+        (true, "box 0.5 0 0 1 0 0 0 0.05 1 1", "half 0.55 0 0 0.7071067811865476 0 0.7071067811865476 0"),
+        // What is not excluded.
+        (false, mark, "1,0,4,0,0.08,0.01,0"),
+        (false, mark, "."),
+        (false, mark, "4,0,1,0,0.44,0,0"),
+        (false, mark, "4,0,1,0,0.48,0,0"),
+        (false, mark, "4,0,1,0,0.46,0,0.11"),
+        (false, "s0 . 4,0", "s1 . 4,0"),
+        (false, box_of_cart, "box 0 0 0 1 0 0 0 0.03 0.1 0.1"),
+        (false, "box 0.5 0 0 1 0 0 0 0.05 1 1", "hull 0.5 0 0 1 0 0 0 1\nv 0 0 0"),
+        // Pairs that may touch, or are none.
+        (false, "margin 0\n", "margin 0\nskip 1 4 declared\n"),
+        (false, "margin 0\n", "margin 0\nkeep 1 4 -0.001\n"),
+        (false, mark, "4,0,4,0,0.46,0,0"),
+        (false, mark, "4,1,1,0,0.46,0,0"),
+        // What is in reach.
+        (false, "goal end 0.9", "goal end 0.57"),
+        (false, "start -0.5 0", "start 0.7 0"),
+        (false, "hand 2 0.2 0 0", "hand 2 0.6 0 0"),
+        (false, "none 2", "none 1 0.6"),
+        (false, "none 2", "none 1"),
+        (false, "none 2", "none 2 0"),
+        (false, "none 2", "none 4"),
+        // The tree, and the file.
+        (false, mark, &format!("{mark} .")),
+        (false, "s0 . s0", "s2 . s0"),
+        (false, "s0 . s0", "s00 . s0"),
+        (false, mark, "4,0,1,0,0.46,0"),
+        (false, mark, "4,0,1,0,0.46,0,NaN"),
+        (false, "end\n", "path way\npiece\nq 0 0\nq 0 0\nend\n"),
+        (
+            false,
+            "end\n",
+            &format!("{}end\n", WALL.split_inclusive('\n').skip(1).take(18).collect::<String>()),
+        ),
+    ] {
+        assert!(WALL.contains(from), "{from}");
+        let text = with_hash(&WALL.replacen(from, to, 1)).unwrap();
+        let found = check(&text);
+        assert_eq!(found.is_ok(), holds, "{from} -> {to}: {found:?}");
+        if let Some((code, texts)) = python("wall.cert", &text, None, true) {
+            assert_eq!(code, Some(i32::from(!holds)), "{from} -> {to}: {texts:?}");
+        }
+    }
+}
