@@ -71,6 +71,15 @@ fn grasps_that_are_too_wide_end_a_search_at_once_with_digits_that_differ() {
     let text = text(&planned);
     assert!(text.contains("no-reachable-grasp") && text.contains("0 iterations"), "{text}");
     assert!(text.contains("the object is 80.0004 mm wide there, and the hand opens 80.0000 mm"), "{text}");
+    let filtered = cranny(folder.path(), &["grasps", "filter", "021", "--grasps", "grasps.csv"]);
+    let page = String::from_utf8_lossy(&filtered.stdout);
+    assert!(
+        page.contains("take 0 of 200") && page.contains("200  of a width that the hand cannot"),
+        "{page}"
+    );
+    let found = cranny(folder.path(), &["ik", "021", "--grasps", "grasps.csv", "--single-shot"]);
+    let note = String::from_utf8_lossy(&found.stderr);
+    assert!(note.contains("200 grasps of a width that the hand cannot take"), "{note}");
 }
 
 #[test]

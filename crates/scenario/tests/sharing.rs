@@ -136,6 +136,7 @@ fn a_scenario_that_needs_files_from_elsewhere_is_not_packed() {
     let archive = root.path().join("inner.zip");
     let fault = pack(&folder, &archive, &Credits::default()).unwrap_err().to_string();
     assert!(fault.contains("does not open by itself") && fault.contains("wedge.obj"), "{fault}");
+    assert!(!fault.contains("unpacked"), "{fault}");
     assert!(!archive.exists());
 }
 

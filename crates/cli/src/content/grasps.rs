@@ -10,7 +10,7 @@ use cranny_grasp::{
 };
 use cranny_scenario::{OpenOptions, Scenario, ScenarioError};
 use cranny_shape::Surface;
-use cranny_task::{APPROACH_M, HandFilter, robot_hand};
+use cranny_task::{APPROACH_M, FailureReason, HandFilter, robot_hand};
 use serde::Serialize;
 
 use crate::arguments::Output;
@@ -289,6 +289,8 @@ struct Filtered {
     #[serde(skip_serializing_if = "Option::is_none")]
     load: Option<GraspLoads>,
     blocked_by: Vec<Blocking>,
+    /// Number of grasps whose stated width the hand cannot take.
+    wrong_width: usize,
     stopped: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<PathBuf>,
@@ -314,7 +316,7 @@ fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure
     let filter = HandFilter::new(&hand, scenario.world.clone(), arguments.approach / 1000.0)
         .map_err(ScenarioError::from)?;
     let mut blocked = vec![0; scenario.world.bodies().len()];
-    let mut free = Vec::new();
+    let (mut free, mut wrong_width) = (Vec::new(), 0);
     let progress = bar(set.len() as u64, output.quiet);
     let stop = stop_on_interrupt();
     let mut tried = 0;
@@ -322,7 +324,9 @@ fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure
         if stop.load(Ordering::Relaxed) {
             break;
         }
-        if filter.is_free(grasp) {
+        if FailureReason::of_width(&scenario.robot, grasp).is_some() {
+            wrong_width += 1;
+        } else if filter.is_free(grasp) {
             free.push(*grasp);
         } else if let Some(body) = filter.blocking_body(&grasp.world_from_gripper) {
             blocked[body] += 1;
@@ -340,6 +344,7 @@ fn filter(arguments: &FilterArguments, output: Output) -> Result<Answer, Failure
         below_min_score: 0,
         load: None,
         blocked_by: blocked_by.map(|(body, grasps)| Blocking { body, grasps }).collect(),
+        wrong_width,
         stopped: tried < set.len(),
         file: None,
     };
@@ -378,6 +383,9 @@ impl Filtered {
         }
         for Blocking { body, grasps } in &self.blocked_by {
             let _ = writeln!(page, "  {grasps:>5}  blocked by {body}");
+        }
+        if self.wrong_width > 0 {
+            let _ = writeln!(page, "  {:>5}  of a width that the hand cannot take", self.wrong_width);
         }
         if self.stopped {
             page.push_str("stopped before all grasps were tried");

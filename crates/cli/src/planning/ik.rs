@@ -3,11 +3,11 @@ use std::fmt::Write;
 use std::sync::atomic::Ordering;
 
 use cranny_file::counted;
-use cranny_grasp::GraspSet;
+use cranny_grasp::{Grasp, GraspSet};
 use cranny_scenario::BlockedGripperFrame;
 use cranny_task::{
-    AnnotatedSolution, Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem, annotate_ik,
-    hand_collides,
+    AnnotatedSolution, FailureReason, Goal, IkAnnotation, IkAnnotationSettings, IkMethod, IkStatus, Problem,
+    annotate_ik, hand_collides,
 };
 use serde::Serialize;
 
@@ -71,6 +71,12 @@ pub fn run(arguments: &IkArguments, output: Output) -> Result<Answer, Failure> {
         for annotation in &mut annotations {
             annotation.grasp = grasp;
         }
+    }
+    let is_unfit = |grasp: &&Grasp| FailureReason::of_width(problem.robot(), grasp).is_some();
+    let unfit = problem.grasps().map_or(0, |grasps| grasps.grasps().iter().filter(is_unfit).count());
+    if unfit > 0 && !output.quiet {
+        let grasps = counted(unfit, "grasp");
+        text::note(&format!("{grasps} of a width that the hand cannot take: `plan` leaves such grasps out"))?;
     }
     let solved = annotations.iter().filter(|a| a.status == IkStatus::Solved).count();
     if solved == 0 && !output.quiet {

@@ -75,14 +75,13 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
         bring_robot(&file, folder, &mut contents)?;
     }
     unpacked::check_names(contents.keys().map(String::as_str)).map_err(|problem| fault(folder, problem))?;
-    open_alone(&id, &contents).map_err(|reason| {
-        // A failure to try it is not a fault of the scenario.
-        if matches!(reason, ScenarioError::Unwritable { .. }) {
-            reason
-        } else {
-            let problem = "the scenario does not open by itself (what it names must lie in its folder)";
-            fault(folder, format!("{problem}: {reason}"))
-        }
+    let alone = Unpacked::of(&id, &contents)?;
+    let inside = alone.folder();
+    Scenario::open(&inside.to_string_lossy(), &OpenOptions::default()).map_err(|reason| {
+        // The reader knows no temporary folder.
+        let reason = reason.to_string().replace(&format!("{}/", inside.display()), "");
+        let problem = "the scenario does not open by itself (what it names must lie in its folder)";
+        fault(folder, format!("{problem}: {reason}"))
     })?;
     let about = file.about.unwrap_or_default();
     let AboutEntry { author, licence, citation, .. } = about;
