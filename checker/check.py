@@ -15,6 +15,7 @@ S = 96  # (1) Ends of intervals are whole multiples of 2^-96.
 ONE = 1 << S
 HALF, ZERO, UNIT = (ONE // 2, ONE // 2), (0, 0), (ONE, ONE)
 LARGEST, MOST_HALVINGS, MOST_POINTS, MOST_WORK, MOST_BYTES = 10**6, 96, 100, 1_000_000_000, 64 << 20
+MOST_LINES, MOST_VALUES = 4_000_000, 2_000_000
 SIZES = {"box": 3, "ball": 1, "capsule": 2, "cylinder": 2, "half": 0, "hull": 1, "mesh": 0}
 
 WORD, WHOLE = re.compile("[!-~]+"), re.compile("0|[1-9][0-9]{0,8}")
@@ -325,15 +326,18 @@ class Lines:
     def repeat(self):
         """Puts the lines that a line `= FROM COUNT` repeats in its place, with its number; another such line among them is of no
         known kind."""
-        lines, self.numbers, size = [], [], 0
+        lines, self.numbers, size = [], [], -1
         for self.number, line in enumerate(self.lines, 1):
             again = [line]
             if line.startswith("= "):
-                begin, count, *more = [index(word, self.number) for word in line.split(" ")[1:]] + [0] * 2
-                unless(len(more) == 2 and begin > 0 < count <= self.number - begin, "lines to repeat that are not all before")
+                numbers_ = [int(word) if WHOLE.fullmatch(word) else 0 for word in line.split(" ")[1:]]
+                begin, count = numbers_ if len(numbers_) == 2 else (0, 0)
+                fault = "FROM and COUNT of lines to repeat that are all before are expected"
+                unless(begin > 0 < count <= self.number - begin, fault)
                 again = self.lines[begin - 1 : begin - 1 + count]
             size += sum(len(known) + 1 for known in again)
-            unless(size <= MOST_BYTES, "more text than a certificate may have, with repeated lines")
+            is_small = size <= MOST_BYTES and len(lines) + len(again) <= MOST_LINES + 1
+            unless(is_small, "more text than a certificate may have, with repeated lines")
             lines += again
             self.numbers += [self.number] * len(again)
         self.lines = lines
@@ -450,6 +454,9 @@ class Scene:
                 distance, (top, moves) = self.distances.get((a, b), self.margin), self.common(a, b)
                 if self.objects[b].solids and moves and distance is not None:
                     self.pairs.append((a, b, top, distance))
+
+    def pairs_line(self):
+        return f"pairs {len(self.pairs)}, at least {self.margin_word[0]} m apart but for `keep`"
 
     def common(self, a, b):
         """Returns the lowest link above two objects or equal to one, and if a joint moves one against the other."""
@@ -673,6 +680,12 @@ def place(scene, values, of):
     return at
 
 
+def slides_alone(scene, of):
+    """Checks that no joint turns an object: both checkers then enclose its pose in the same way."""
+    turned = of is not None and any(scene.objects[i].motion and scene.objects[i].motion[0] for i in scene.chain(None, of))
+    unless(not turned, "a joint turns what only slides may move")
+
+
 def open_boxes(scene, marks):
     """(14) Walks through a tree of boxes in prefix order, and returns those that are left open."""
     stack, marks, found = [([(exact(a)[0], exact(b)[1]) for _, a, b in scene.joints], 0)], iter(marks), []
@@ -689,6 +702,7 @@ def open_boxes(scene, marks):
                 stack.append(([*values[:j], half, *values[j + 1 :]], depth + 1))
         elif mark == ".":
             found.append(values)
+            unless(len(found) * len(values) <= MOST_VALUES, "more boxes than a certificate may have")
         else:
             words = mark.split(",")
             unless(len(words) == 7, "a mark that is none")
@@ -696,6 +710,8 @@ def open_boxes(scene, marks):
             unless((min(a, b), max(a, b)) in demanded, "a pair that may touch")
             solids = [scene.objects[of].solids for of in (a, b)]
             of_a, of_b = [known[index(word, len(known))] for known, word in zip(solids, words[1:4:2])]
+            slides_alone(scene, a)
+            slides_alone(scene, b)
             (turn, at), (other, origin) = place(scene, values, a), place(scene, values, b)
             in_b = times(transposed(other), plus(plus(times(turn, point), at), minus(origin)))
             unless(of_a.contains(point) and of_b.contains(in_b), "two objects that are not shown to touch")
@@ -739,7 +755,9 @@ def check_enclosure(lines, scene):
         rest = [other for other in rest if not meets(other)]
         inside.append(values)
     unless(len(inside) > 1, "no box has the start in it")
+    slides_alone(scene, scene.objects[link].parent)  # Its own turning leaves its origin in place.
     for values in inside[1:]:
+        spend(30 * len(scene.goals))
         origin = place(scene, values, link)[1]
         far = [length(plus(origin, minus(goal)))[0] for _, goal in scene.goals]
         unless(all(x > reach for x in far), "a goal may be within reach")
@@ -769,7 +787,8 @@ def check(lines):
         found.append(f"scene {scene.name} {scene.hash}")
         if not before and lines.kind() == "none":
             count, inside = check_enclosure(lines, scene)
-            found += [f"no motion leads to a goal: {inside} of {count} boxes are left to the start", *scene.rules]
+            found.append(f"no motion leads to a goal: {inside} of {count} boxes are left to the start")
+            found += [scene.pairs_line(), *scene.rules]
             break
         changes = scene.changes_since(before) if before else []
         unless(not before or scene.start == end, "the scene does not start where the path before it ends")
@@ -778,7 +797,7 @@ def check(lines):
             count, end = check_path(lines, scene)
             paths, pieces = paths + 1, pieces + count
         found.append(f"paths {paths}, of {pieces} pieces")
-        found += [f"pairs {len(scene.pairs)}, at least {scene.margin_word[0]} m apart but for `keep`", *scene.rules, *changes]
+        found += [scene.pairs_line(), *scene.rules, *changes]
         before = scene
     lines.read("end", 0)
     unless(lines.at + 1 == len(lines.lines), "a line after the end")
@@ -791,7 +810,7 @@ def main(file):
         return 0, USAGE
     try:
         with open(file, "rb") as certificate:
-            lines = Lines(certificate.read(MOST_BYTES).decode())  # A longer file lacks its end.
+            lines = Lines(certificate.read(MOST_BYTES + 1).decode())  # A longer file lacks its end.
         return 0, "\n  ".join(["certified", *check(lines)])
     except Refused as fault:
         return 1, f"not certified: {file}:{lines.number}: {fault}"

@@ -42,6 +42,7 @@ fn statement(lines: &mut Lines<'_>) -> Checked<Vec<String>> {
         if before.is_none() && lines.is("none") {
             let [open, inside] = enclosure(lines, &scene, &mut ledger)?;
             found.push(format!("no motion leads to a goal: {inside} of {open} boxes are left to the start"));
+            found.push(pairs_of(&scene));
             found.extend(scene.rules);
             break;
         }
@@ -51,13 +52,17 @@ fn statement(lines: &mut Lines<'_>) -> Checked<Vec<String>> {
             (paths, pieces, end) = (paths + 1, pieces + count, last);
         }
         found.push(format!("paths {paths}, of {pieces} pieces"));
-        found.push(format!("pairs {}, at least {} m apart but for `keep`", scene.pairs.len(), scene.margin));
+        found.push(pairs_of(&scene));
         found.extend(scene.rules.iter().cloned().chain(changes));
         before = Some((scene, end));
     }
     lines.read("end", |_| Ok(()))?;
     unless(lines.is_at_end(), "a line after the end")?;
     Ok(found)
+}
+
+fn pairs_of(scene: &Scene<'_>) -> String {
+    format!("pairs {}, at least {} m apart but for `keep`", scene.pairs.len(), scene.margin)
 }
 
 /// Checks a path: returns the number of its pieces, and its end.

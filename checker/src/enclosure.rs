@@ -8,6 +8,9 @@ use super::motion::Moment;
 use super::proof::{Ledger, MOST_HALVINGS};
 use super::scene::{Pose, Scene};
 
+/// Maximum number of boxes that are left open, times that of joints: it limits the memory.
+const MOST_VALUES: usize = 2_000_000;
+
 /// Interval of each joint.
 type Values = Vec<Interval>;
 
@@ -30,11 +33,16 @@ pub fn enclosure(lines: &mut Lines<'_>, scene: &Scene<'_>, ledger: &mut Ledger) 
     while let Some(values) = next.pop() {
         ledger.work(10 * open.len() * values.len())?;
         let (near, far) = open.into_iter().partition(|other| meet(&values, other));
-        (next, open) = ([next, near].concat(), far);
+        next.extend::<Vec<_>>(near);
+        open = far;
         inside.push(values);
     }
     unless(inside.len() > 1, "no box has the start in it")?;
+    // Its own turning leaves its origin in place.
+    let above = scene.objects[link].parent;
+    slides_alone(scene, above)?;
     for values in &inside[1..] {
+        ledger.work(100 * scene.goals.len())?;
         let origin = pose(scene, values, link, ledger)?.translation;
         let is_far = |goal: &Pose| length(sum(origin, minus(goal.translation))).lo > reach.hi;
         unless(scene.goals.iter().all(is_far), "a goal may be within reach")?;
@@ -88,6 +96,7 @@ fn open_boxes(
             stack.extend([(second, halvings + 1), (first, halvings + 1)]);
         } else if mark == "." {
             open.push(values);
+            unless(open.len() * scene.joints.len() <= MOST_VALUES, "more boxes than a certificate may have")?;
         } else {
             let words: Vec<&str> = mark.split(',').collect();
             let [a, i, b, k, at @ ..] = &words[..] else { return Err("a mark that is none".to_owned()) };
@@ -98,6 +107,8 @@ fn open_boxes(
             let at = at.try_into().map_err(|_| "a mark that is none")?;
             let of_a = &scene.objects[a].solids[Lines::whole(i, scene.objects[a].solids.len())?];
             let of_b = &scene.objects[b].solids[Lines::whole(k, scene.objects[b].solids.len())?];
+            slides_alone(scene, Some(a))?;
+            slides_alone(scene, Some(b))?;
             let in_world = pose(scene, &values, a, ledger)?.of_point(at);
             let in_b = pose(scene, &values, b, ledger)?.to_own(in_world);
             unless(of_a.contains(at) && of_b.contains(in_b), "two objects that are not shown to touch")?;
@@ -106,8 +117,15 @@ fn open_boxes(
     Ok(open)
 }
 
+/// Checks that no joint turns an object: both checkers then enclose its pose in the same way.
+fn slides_alone(scene: &Scene<'_>, of: Option<usize>) -> Checked {
+    let turns = |index: usize| scene.objects[index].motion.as_ref().is_some_and(|motion| motion.turns);
+    let is_turned = of.is_some_and(|of| scene.chain(None, of).into_iter().any(turns));
+    unless(!is_turned, "a joint turns what only slides may move")
+}
+
 /// Encloses the pose of an object in the world wherever the joints are in a box.
 fn pose(scene: &Scene<'_>, values: &Values, of: usize, ledger: &mut Ledger) -> Checked<Pose> {
-    ledger.work(500 * scene.objects.len())?;
+    ledger.work(500 * scene.objects.len() + 20 * values.len())?;
     Ok(Moment::of(scene, &vec![values.clone(); 2]).moved(None, of, (ORIGIN, ZERO)).pose)
 }

@@ -9,6 +9,9 @@ pub const LARGEST: f64 = 1e6;
 /// Greatest size of a certificate, in bytes, with repeated lines in their place.
 const MOST_BYTES: usize = 64 << 20;
 
+/// Maximum number of lines, likewise; it limits the memory.
+const MOST_LINES: usize = 4_000_000;
+
 /// Result of a check: a value, or the reason why a line fails.
 pub type Checked<T = ()> = Result<T, String>;
 
@@ -53,16 +56,19 @@ impl<'a> Lines<'a> {
             self.end += line.len();
             if let Some(words) = line.strip_prefix("= ") {
                 self.words = words.trim_end_matches('\n').split(' ');
-                let (from, count) = (self.index(number)?, self.index(number)?);
+                const FAULT: &str = "FROM and COUNT of lines to repeat that are all before are expected";
+                let mut next = || self.index(number).map_err(|_| FAULT.to_owned());
+                let (from, count) = (next()?, next()?);
                 let is_before = self.words.next().is_none() && from > 0 && from + count <= number;
-                unless(is_before && count > 0, "lines to repeat that are not all before")?;
+                unless(is_before && count > 0, FAULT)?;
                 self.again = from - 1..from - 1 + count;
             }
         }
         let line = self.again.next().map_or("", |index| self.line_at(self.starts[index]));
         self.size += line.len();
-        unless(self.size <= MOST_BYTES, "more text than a certificate may have, with repeated lines")?;
         self.read.push(line);
+        let is_small = self.size <= MOST_BYTES && self.read.len() <= MOST_LINES;
+        unless(is_small, "more text than a certificate may have, with repeated lines")?;
         self.words = line.strip_suffix('\n').unwrap_or_default().split(' ');
         Ok(())
     }

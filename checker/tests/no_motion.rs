@@ -32,7 +32,11 @@ fn that_no_motion_exists_is_checked() {
     let found = check(&with_hash(WALL).unwrap()).unwrap();
     assert_eq!(
         found[1..],
-        ["no motion leads to a goal: 3 of 4 boxes are left to the start", "goal end 0.9 0 0 1 0 0 0"]
+        [
+            "no motion leads to a goal: 3 of 4 boxes are left to the start",
+            "pairs 1, at least 0 m apart but for `keep`",
+            "goal end 0.9 0 0 1 0 0 0"
+        ]
     );
     let box_of_cart = "box 0 0 0 1 0 0 0 0.1 0.1 0.1";
     let mark = "4,0,1,0,0.46,0,0";
@@ -87,4 +91,31 @@ fn that_no_motion_exists_is_checked() {
             assert_eq!(code, Some(i32::from(!holds)), "{from} -> {to}: {texts:?}");
         }
     }
+}
+
+/// A point of a link that a joint turns excludes nothing, because the checkers enclose its pose in different ways.
+#[test]
+fn no_joint_turns_what_excludes_a_box() {
+    let text = WALL.replace("link hand", "ball 0 0 0 1 0 0 0 0.1\nlink hand").replace("4,0,1,0,", "4,0,2,0,");
+    let text = with_hash(&text).unwrap();
+    assert!(check(&text).unwrap_err().1.contains("only slides"));
+    if let Some((code, [answer, _])) = python("turned.cert", &text, None, true) {
+        assert!(code == Some(1) && answer.contains("only slides"), "{answer}");
+    }
+}
+
+/// Returns a tree of this depth, all boxes of which are open.
+fn open_tree(depth: u32) -> String {
+    if depth == 0 { ".".to_owned() } else { format!("s0 {0} {0}", open_tree(depth - 1)) }
+}
+
+/// Boxes by the thousand are searched at once, and millions are refused.
+#[test]
+fn many_boxes_are_searched_or_refused() {
+    let reason = |depth: u32| {
+        let text = WALL.replace("s0 . s0 s0 . s0 . 4,0,1,0,0.46,0,0 .", &open_tree(depth));
+        check(&with_hash(&text).unwrap()).unwrap_err().1
+    };
+    assert_eq!(reason(12), "a goal may be within reach");
+    assert!(reason(21).contains("more boxes"));
 }
