@@ -57,7 +57,7 @@ pub enum Command {
     Plan(Box<PlanArguments>),
     /// Verify a plan file or bare way points against a scenario
     Verify(VerifyArguments),
-    /// Write a certificate of a plan, which a small program without Cranny checks
+    /// Write a certificate of a plan, or that no motion exists, which a small program without Cranny checks
     Certify(CertifyArguments),
     /// Find free configurations at every grasp of a scenario
     Ik(IkArguments),
