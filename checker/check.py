@@ -330,8 +330,8 @@ class Lines:
         for self.number, line in enumerate(self.lines, 1):
             again = [line]
             if line.startswith("= "):
-                numbers_ = [int(word) if WHOLE.fullmatch(word) else 0 for word in line.split(" ")[1:]]
-                begin, count = numbers_ if len(numbers_) == 2 else (0, 0)
+                given = [int(word) if WHOLE.fullmatch(word) else 0 for word in line.split(" ")[1:]]
+                begin, count = given if len(given) == 2 else (0, 0)
                 fault = "FROM and COUNT of lines to repeat that are all before are expected"
                 unless(begin > 0 < count <= self.number - begin, fault)
                 again = self.lines[begin - 1 : begin - 1 + count]
@@ -810,7 +810,7 @@ def main(file):
         return 0, USAGE
     try:
         with open(file, "rb") as certificate:
-            lines = Lines(certificate.read(MOST_BYTES + 1).decode())  # A longer file lacks its end.
+            lines = Lines(certificate.read(MOST_BYTES + 1).decode())
         return 0, "\n  ".join(["certified", *check(lines)])
     except Refused as fault:
         return 1, f"not certified: {file}:{lines.number}: {fault}"

@@ -9,15 +9,12 @@ use cranny_task::{Goal, Problem, Segment, Stage, StateSequence};
 use sha2::{Digest as _, Sha256};
 
 use crate::CertifyError;
-use crate::enclosure::{Base, Boxes};
+use crate::enclosure::{Base, Boxes, START_TOLERANCE};
 use crate::joint_curve::{Course, JointCurve};
 use crate::model::Model;
 use crate::pair_tree::PieceProof;
 use crate::repeats::folded;
 use crate::scene_text::{FORMAT, Rules, line, scene_text};
-
-/// Maximum distance of the start of a path from that of the problem, in m or rad; a checker allows the same.
-const START_TOLERANCE: f64 = 1e-5;
 
 /// Part of a motion in one cell.
 struct Passage {

@@ -9,8 +9,8 @@ use crate::gap::Gap;
 use crate::model::Model;
 use crate::moment::Moment;
 
-/// Tolerance of the start in each joint, in metres; a checker has the same.
-const START_TOLERANCE: f64 = 1e-5;
+/// Maximum distance of the start of a path from that of the problem, in m or rad; a checker allows the same.
+pub(crate) const START_TOLERANCE: f64 = 1e-5;
 
 /// Edge length below which a box is not divided, in metres.
 const FINEST_M: f64 = 2e-4;
@@ -74,8 +74,10 @@ impl<'a> Base<'a> {
         let mut axis_points = vec![0.0; arm.iter().filter(|link| turns(link)).count()];
         shorten(&mut axis_points, &|points| reach_m(cell, model, arm, points));
         let reach_m = reach_m(cell, model, arm, &axis_points);
+        // A link that turns with a slide, by a rack, is not moved by slides alone.
         let only_slides = |object: usize| {
-            model.chain(None, object).into_iter().filter_map(joint).all(|joint| slides.contains(&joint.joint))
+            let mut joints = model.chain(None, object).into_iter().filter_map(joint);
+            joints.all(|joint| joint.kind == JointKind::Prismatic && slides.contains(&joint.joint))
         };
         let is_of_base = |((a, b), margin_m): &((usize, usize), f64)| {
             *margin_m >= 0.0 && only_slides(*a) && only_slides(*b)

@@ -53,6 +53,17 @@ fn a_plan_becomes_what_the_ending_of_the_file_says() {
     let moving = render("a.gif", &[&small[..], &["--rate", "3"]].concat());
     let count = moving["pictures"].as_u64().expect("a number");
     assert!(count > 4, "{count}");
+    // At equal steps of time, so that few pictures a second are in real time too.
+    let plan = std::fs::read(folder.join("p.plan.json")).expect("a plan");
+    let plan: serde_json::Value = serde_json::from_slice(&plan).expect("JSON");
+    let duration_s = plan["timing"]["duration_s"].as_f64().expect("a number");
+    assert!((count as f64 - (3.0 * duration_s).ceil() - 1.0).abs() < 0.5, "{count} in {duration_s} s");
+    for (file, more) in
+        [("b.glb", ["--view", "top"]), ("b.html", ["--size", "80x60"]), ("b.png", ["--rate", "3"])]
+    {
+        let words = [&["render", "021", "p.plan.json", "-o", file], &more[..]].concat();
+        refused(folder, &words, &[more[0], "has no effect on"]);
+    }
     assert_eq!(render("a.apng", &[&small[..], &["--rate", "3"]].concat())["pictures"], count);
     assert_eq!(render("frames/", &[&small[..], &["--rate", "3"]].concat())["pictures"], count);
     render("a.glb", &[]);

@@ -173,3 +173,34 @@ fn grasps_of_another_place_than_the_target_are_told() {
         "planners make grasps of their own"
     );
 }
+
+/// A place must be on its support, and an export states its losses.
+#[test]
+fn a_place_that_hovers_is_a_fault_and_an_export_states_what_it_loses() {
+    let folder = folder();
+    let scene = |z: f64| {
+        format!(
+            "robot: panda_mobile\nfloor: -0.05\nobstacles:\n  - name: t\n    pose: {{position: [1, 1, 0.1]}}\n    shapes: [{{box: \
+             {{size: [0.6, 0.6, 0.2]}}}}]\ntarget:\n  name: crate\n  pose: {{position: [1, 1, 0.23]}}\n  shapes: [{{box: {{size: \
+             [0.04, 0.04, 0.06]}}}}]\n  mass_kg: 0.2\nplaces:\n  - {{name: p, on: t, pose: {{position: [1.1, 1.1, {z}]}}, size: \
+             [0.2, 0.2]}}\n"
+        )
+    };
+    std::fs::create_dir(folder.path().join("cell")).expect("a folder");
+    for (z, code) in [(0.2, 0), (0.21, 1)] {
+        std::fs::write(folder.path().join("cell/scenario.yaml"), scene(z)).expect("written");
+        let output = cranny(folder.path(), &["scenario", "check", "cell"]);
+        assert_eq!(output.status.code(), Some(code), "{}", said(&output));
+        assert_eq!(
+            said(&output).contains("place 'p' is 10.0 mm away from 't'"),
+            code == 1,
+            "{}",
+            said(&output)
+        );
+    }
+    let page = done(folder.path(), &["scenario", "export", "025", "-o", "released"]);
+    for words in ["up to 0.15 mm inside it", "places (1)", "scores of grasps (200)", "widths of grasps (200)"]
+    {
+        assert!(page.contains(words), "no '{words}' in {page}");
+    }
+}

@@ -97,6 +97,8 @@ fn graspgen_closes_along_x_and_counts_from_the_base_of_the_hand() {
     assert_axes(&grasps[0].world_from_gripper, pads, [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]);
     let kept = files.read(&two, &ImportSettings { min_score: Some(0.5), ..ImportSettings::default() });
     assert_eq!(kept.map(|kept| (kept.grasps.len(), kept.in_file, kept.below)), Ok((1, 2, 1)));
+    let fault = files.read(&two, &ImportSettings { object: Some(7), ..ImportSettings::default() });
+    assert!(fault.is_err_and(|fault| fault.contains("no ids of objects")));
     let own =
         ImportSettings { closing: Some(ClosingAxis::Y), offset_m: Some(0.0), ..ImportSettings::default() };
     let own = files.read(&two, &own).expect("grasps");

@@ -205,6 +205,10 @@ impl Recipe {
         if self.robot.named != BUILTIN_ROBOTS[0].name {
             losses.push("not written: the robot, which the reader must name".to_owned());
         }
+        let physics = self.target_physics();
+        if physics.mass_kg.is_none() && self.target.is_some() {
+            losses.push(format!("the mass of the target is not known, and written as {OBJECT_MASS_KG} kg"));
+        }
         let exempted = self.robot.unchecked_pairs.len();
         let renamed = bodies().filter(|body| file_name(&body.name) != body.name).count();
         for (count, what) in [
@@ -217,7 +221,8 @@ impl Recipe {
             (self.colours.len(), "colours"),
             (self.physics.len(), "masses and friction of obstacles"),
             (bodies().filter(|body| body.tilt_rad.is_some()).count(), "limits of the tilt of an object"),
-            (usize::from(self.given_physics.rolling_m.is_some()), "resistances to rolling"),
+            (usize::from(physics.rolling_m.is_some()), "resistances to rolling"),
+            (self.grasps.grasps().iter().filter(|grasp| grasp.score.is_some()).count(), "scores of grasps"),
             (self.grasps.grasps().iter().filter(|grasp| grasp.width_m.is_some()).count(), "widths of grasps"),
             (exempted, "pairs of links that are not compared"),
             (renamed, "names that are no file names, which change"),
