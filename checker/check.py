@@ -266,18 +266,19 @@ class Solid:
         return base + (mul(length(m), h[0])[1] if self.kind == "hull" else 0)
 
 
-    def contains(self, point):
-        """(14) Returns true if a point, in the frame of the object, is in the solid; always false for hulls and meshes."""
+    def contains(self, center, radius=0):
+        """(14, 15) Returns true if a ball, in the frame of the object, is in the solid; always false for hulls and meshes."""
         spend(100)
-        x, y, z = times(self.inverse, plus(point, minus(self.pose[1])))
+        x, y, z = times(self.inverse, plus(center, minus(self.pose[1])))
         if self.kind == "half":
-            return z[1] <= 0
+            return z[1] + radius <= 0
         if self.kind == "box":
-            return all(mag(a)[1] <= h[0] for a, h in zip((x, y, z), self.sizes))
+            return all(mag(a)[1] + radius <= h[0] for a, h in zip((x, y, z), self.sizes))
         across, beyond = length([x, y]), mag(z)[1] - (self.sizes[0][0] if len(self.sizes) == 2 else 0)
-        if self.kind == "cylinder" or beyond <= 0:
-            return self.kind not in ("hull", "mesh") and beyond <= 0 and across[1] <= self.sizes[-1][0]
-        return self.kind in ("ball", "capsule") and length([across, (beyond,) * 2])[1] <= self.sizes[-1][0]
+        if self.kind == "cylinder":
+            return beyond + radius <= 0 and across[1] + radius <= self.sizes[-1][0]
+        far = across if beyond <= 0 else length([across, (beyond,) * 2])
+        return self.kind in ("ball", "capsule") and far[1] + radius <= self.sizes[-1][0]
 
 
 class Object:
@@ -686,10 +687,51 @@ def slides_alone(scene, of):
     unless(not turned, "a joint turns what only slides may move")
 
 
+def touch(scene, mark):
+    """Reads a mark A,I,B,K,X,Y,Z or A,I,B,K,vN: objects that must not touch, a solid of each, a point of A, and if it is a vertex."""
+    words = mark.split(",")
+    vertex = words[4][1:] if len(words) == 5 and words[4].startswith("v") else None
+    unless(len(words) == 7 or vertex is not None, "a mark that is none")
+    a, b = [index(word, len(scene.objects)) for word in words[:4:2]]
+    pair = (min(a, b), max(a, b))
+    spend(2 + len(scene.pairs) // 4)
+    unless(any(known[:2] == pair and known[3] >= 0 for known in scene.pairs), "a pair that may touch")
+    solids = [scene.objects[of].solids for of in (a, b)]
+    of_a, of_b = [known[index(word, len(known))] for known, word in zip(solids, words[1:4:2])]
+    if vertex is None:
+        return a, b, of_a, of_b, [exact(x) for x in numbers(words[4:], 3)], False
+    at = [(x, x + 1) for x in of_a.points[index(vertex, len(of_a.points))]]
+    return a, b, of_a, of_b, plus(times(of_a.pose[0], at), of_a.pose[1]), True
+
+
+def blocked_goal(scene, words):
+    """(15) Checks that the hand touches the world wherever the tip is near a goal, and returns the goal."""
+    unless(len(words) == 2, "a goal, and a mark, and no more")
+    goal, (a, b, of_a, of_b, point, is_vertex) = index(words[0], len(scene.goals)), touch(scene, words[1])
+    to_a, to_b, to_tip = [scene.chain(None, of) for of in (a, b, scene.tip)]
+    shared = sum(x == y for x, y in zip(to_a, to_tip))
+    rigid = [scene.objects[i] for i in [*to_a[shared:], *to_tip[shared:], *to_b]]
+    unless(not any(known.motion for known in rigid), "a joint moves the hand against the tip, or the other object")
+    spend(40 * (len(rigid) + 10))
+    outer = lambda pose, at: plus(times(pose[0], at), pose[1])
+    inner = lambda at, pose: times(transposed(pose[0]), plus(at, minus(pose[1])))
+    in_tip = point
+    for i in reversed(to_a[shared:]):
+        in_tip = outer(scene.objects[i].pose, in_tip)
+    for i in to_tip[shared:]:
+        in_tip = inner(in_tip, scene.objects[i].pose)
+    in_b = outer(scene.goals[goal], in_tip)
+    for i in to_b:
+        in_b = inner(in_b, scene.objects[i].pose)
+    moved = add(exact(Fraction(1, 1000)), mul(exact(Fraction("0.0174530709968")), length(in_tip)))  # 2 sin ½°, rounded up.
+    is_in_a = is_vertex or of_a.contains(point, moved[1])
+    unless(is_in_a and of_b.contains(in_b, moved[1] if is_vertex else 0), "two objects that are not shown to touch")
+    return goal
+
+
 def open_boxes(scene, marks):
     """(14) Walks through a tree of boxes in prefix order, and returns those that are left open."""
     stack, marks, found = [([(exact(a)[0], exact(b)[1]) for _, a, b in scene.joints], 0)], iter(marks), []
-    count, demanded = len(scene.objects), {pair[:2] for pair in scene.pairs if pair[3] >= 0}
     while stack:
         (values, depth), mark = stack.pop(), next(marks, None)
         unless(mark is not None and depth <= MOST_HALVINGS, "a mark is missing, or too many halvings")
@@ -704,17 +746,12 @@ def open_boxes(scene, marks):
             found.append(values)
             unless(len(found) * len(values) <= MOST_VALUES, "more boxes than a certificate may have")
         else:
-            words = mark.split(",")
-            unless(len(words) == 7, "a mark that is none")
-            (a, b), point = [index(word, count) for word in words[:4:2]], [exact(x) for x in numbers(words[4:], 3)]
-            unless((min(a, b), max(a, b)) in demanded, "a pair that may touch")
-            solids = [scene.objects[of].solids for of in (a, b)]
-            of_a, of_b = [known[index(word, len(known))] for known, word in zip(solids, words[1:4:2])]
+            a, b, of_a, of_b, point, is_vertex = touch(scene, mark)
             slides_alone(scene, a)
             slides_alone(scene, b)
             (turn, at), (other, origin) = place(scene, values, a), place(scene, values, b)
             in_b = times(transposed(other), plus(plus(times(turn, point), at), minus(origin)))
-            unless(of_a.contains(point) and of_b.contains(in_b), "two objects that are not shown to touch")
+            unless((is_vertex or of_a.contains(point)) and of_b.contains(in_b), "two objects that are not shown to touch")
     unless(next(marks, None) is None, "more marks than the tree has nodes")
     return found
 
@@ -740,12 +777,15 @@ def reach_below(scene, link, words):
 
 
 def check_enclosure(lines, scene):
-    """(14) Checks that no motion leads from the start to a goal: returns the numbers of boxes, and of those left to the start."""
+    """(14, 15) Checks that no motion leads to a goal: returns the numbers of boxes, of those left to the start, and of blocked goals."""
     word, *points = lines.read("none")
     link = index(word, len(scene.objects))
     reach = reach_below(scene, link, points)
     rest = open_boxes(scene, lines.read("boxes"))
-    count, inside = len(rest), []
+    count, inside, blocked = len(rest), [], set()
+    while lines.kind() == "blocked":
+        blocked.add(blocked_goal(scene, lines.read("blocked")))
+    left = [goal for number, (_, goal) in enumerate(scene.goals) if number not in blocked]
     pending = [[add(exact(x), (-exact(Fraction(1e-5))[1], exact(Fraction(1e-5))[1])) for x in scene.start]]
     while pending:
         values = pending.pop()
@@ -759,9 +799,9 @@ def check_enclosure(lines, scene):
     for values in inside[1:]:
         spend(30 * len(scene.goals))
         origin = place(scene, values, link)[1]
-        far = [length(plus(origin, minus(goal)))[0] for _, goal in scene.goals]
+        far = [length(plus(origin, minus(goal)))[0] for goal in left]
         unless(all(x > reach for x in far), "a goal may be within reach")
-    return count, len(inside) - 1
+    return count, len(inside) - 1, len(blocked)
 
 
 def check_end(scene, end):
@@ -786,8 +826,9 @@ def check(lines):
         scene = Scene(lines)
         found.append(f"scene {scene.name} {scene.hash}")
         if not before and lines.kind() == "none":
-            count, inside = check_enclosure(lines, scene)
+            count, inside, blocked = check_enclosure(lines, scene)
             found.append(f"no motion leads to a goal: {inside} of {count} boxes are left to the start")
+            found.append(f"goals {len(scene.goals)}, of which {blocked} are blocked")
             found += [scene.pairs_line(), *scene.rules]
             break
         changes = scene.changes_since(before) if before else []

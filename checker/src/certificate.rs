@@ -40,8 +40,9 @@ fn statement(lines: &mut Lines<'_>) -> Checked<Vec<String>> {
         let changes = before.as_ref().map_or(Ok(Vec::new()), |before| scene.changes_since(before))?;
         found.push(format!("scene {} {}", scene.name, scene.hash));
         if before.is_none() && lines.is("none") {
-            let [open, inside] = enclosure(lines, &scene, &mut ledger)?;
+            let [open, inside, blocked] = enclosure(lines, &scene, &mut ledger)?;
             found.push(format!("no motion leads to a goal: {inside} of {open} boxes are left to the start"));
+            found.push(format!("goals {}, of which {blocked} are blocked", scene.goals.len()));
             found.push(pairs_of(&scene));
             found.extend(scene.rules);
             break;

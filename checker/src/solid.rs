@@ -98,16 +98,32 @@ impl Solid {
         (center + round + farthest).hi
     }
 
-    /// Returns true if a point, in the frame of the object, is in the solid; always false for hulls and meshes (14).
-    pub fn contains(&self, p: Vector) -> bool {
-        let local = self.pose.to_own(p);
+    /// Returns true if a ball, in the frame of the object, is in the solid; always false for hulls and meshes (14, 15).
+    pub fn contains(&self, center: Vector, radius: Interval) -> bool {
+        let local = self.pose.to_own(center);
         if self.is_half_space || !self.points.is_empty() {
-            return self.is_half_space && local[2].hi <= 0.0;
+            return self.is_half_space && (local[2] + radius).hi <= 0.0;
         }
-        let beyond = |x: Interval, most: f64| point((x.magnitude() - point(most)).hi.max(0.0));
-        let [x, y, z] = std::array::from_fn(|i| beyond(local[i], self.half[i]));
-        let across = if x == ZERO && y == ZERO { ZERO } else { beyond(length([x, y, ZERO]), self.disc) };
-        (across == ZERO && z == ZERO) || length([across, ZERO, z]).hi <= self.ball
+        let beyond =
+            |x: Interval, by: Interval, most: f64| point((x.magnitude() + by - point(most)).hi.max(0.0));
+        // A round solid holds balls around the points that are deep enough in its outermost ball, others those deep enough in the rest.
+        let [outer, inner] = if self.ball > 0.0 { [radius, ZERO] } else { [ZERO, radius] };
+        let sides = if self.disc > 0.0 { ZERO } else { inner };
+        let [x, y] = [0, 1].map(|i| beyond(local[i], sides, self.half[i]));
+        let z = beyond(local[2], inner, self.half[2]);
+        let is_across = x == ZERO && y == ZERO && self.disc <= 0.0;
+        let across = if is_across { ZERO } else { beyond(length([x, y, ZERO]), inner, self.disc) };
+        let is_in_core = across == ZERO && z == ZERO && outer == ZERO;
+        is_in_core || (length([across, ZERO, z]) + outer).hi <= self.ball
+    }
+
+    pub fn vertices(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Returns a vertex in the frame of the object.
+    pub fn vertex(&self, index: usize) -> Vector {
+        self.pose.of_point(self.points[index].map(point))
     }
 
     /// Encloses the greatest m·p over some points, 0 for none (4).

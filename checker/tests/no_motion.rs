@@ -34,6 +34,7 @@ fn that_no_motion_exists_is_checked() {
         found[1..],
         [
             "no motion leads to a goal: 3 of 4 boxes are left to the start",
+            "goals 1, of which 0 are blocked",
             "pairs 1, at least 0 m apart but for `keep`",
             "goal end 0.9 0 0 1 0 0 0"
         ]
@@ -83,12 +84,82 @@ fn that_no_motion_exists_is_checked() {
             &format!("{}end\n", WALL.split_inclusive('\n').skip(1).take(18).collect::<String>()),
         ),
     ] {
-        assert!(WALL.contains(from), "{from}");
-        let text = with_hash(&WALL.replacen(from, to, 1)).unwrap();
-        let found = check(&text);
-        assert_eq!(found.is_ok(), holds, "{from} -> {to}: {found:?}");
-        if let Some((code, texts)) = python("wall.cert", &text, None, true) {
-            assert_eq!(code, Some(i32::from(!holds)), "{from} -> {to}: {texts:?}");
+        assert_holds(WALL, (from, to), holds);
+    }
+}
+
+/// Replaces some words of a certificate: then it holds for both checkers, or for none.
+fn assert_holds(certificate: &str, (from, to): (&str, &str), holds: bool) {
+    assert!(certificate.contains(from), "{from}");
+    let text = with_hash(&certificate.replacen(from, to, 1)).unwrap();
+    let found = check(&text);
+    assert_eq!(found.is_ok(), holds, "{from} -> {to}: {found:?}");
+    // Tests run beside each other.
+    let file = if certificate.contains("blocked") { "blocked.cert" } else { "wall.cert" };
+    if let Some((code, texts)) = python(file, &text, None, true) {
+        assert_eq!(code, Some(i32::from(!holds)), "{from} -> {to}: {texts:?}");
+    }
+}
+
+/// A goal at which the hand is in the world, by more than the tolerance of goals, is no end of a motion.
+#[test]
+fn goals_are_blocked() {
+    let hand = "fixed\nbox 0 0 0 1 0 0 0 0.02 0.02 0.02\nbody";
+    let inside = WALL
+        .replace("fixed\nbody", hand)
+        .replace("goal end 0.9", "goal end 0.44")
+        .replace("boxes s0 . s0 s0 . s0 . 4,0,1,0,0.46,0,0 .", "boxes .\nblocked 0 3,0,4,0,0.018,0,0");
+    let mark = "3,0,4,0,0.018,0,0";
+    let own = "box 0 0 0 1 0 0 0 0.02 0.02 0.02";
+    for (holds, from, to) in [
+        (true, "end\n", "end\n"),
+        (true, own, "ball 0 0 0 1 0 0 0 0.02"),
+        (true, own, "capsule 0 0 0 0.7071067811865476 0 0.7071067811865476 0 0.01 0.01"),
+        (true, own, "cylinder 0 0 0 0.7071067811865476 0 0.7071067811865476 0 0.02 0.02"),
+        (true, own, "cylinder 0 0 0 1 0 0 0 0.02 0.02"),
+        (true, mark, "3,0,4,0,0.0186,0,0"),
+        // 1 mm, and 0.02 m · 2 sin ½°.
+        (false, mark, "3,0,4,0,0.0187,0,0"),
+        (false, own, "ball 0 0 0 1 0 0 0 0.0193"),
+        (false, own, "cylinder 0 0 0 1 0 0 0 0.02 0.0193"),
+        (false, own, "cylinder 0 0 0 0.7071067811865476 0 0.7071067811865476 0 0.0193 0.02"),
+        // The world is elsewhere, or the goal.
+        (false, mark, "3,0,4,0,0.009,0,0"),
+        (false, "goal end 0.44", "goal end 0.43"),
+        (false, "blocked 0", "blocked 1"),
+        (false, "goal end 0.44 0 0 1 0 0 0", "goal end 0.44 0 0 1 0 0 0\ngoal other 0.2 0 0 1 0 0 0"),
+        (false, &format!("blocked 0 {mark}\n"), ""),
+        // A joint moves the object against the tip, or the other one; and pairs that may touch.
+        (false, mark, "1,0,4,0,0.09,0,0"),
+        (false, mark, "4,0,3,0,0,0,0"),
+        (false, mark, "3,0,1,0,0,0,0"),
+        (false, "margin 0\n", "margin 0\nskip 3 4 declared\n"),
+        (false, "margin 0\n", "margin 0\nkeep 3 4 -0.001\n"),
+        // Marks.
+        (false, mark, "3,0,4,0,v0"),
+        (false, mark, "3,0,4,0"),
+        (false, mark, &format!("{mark} {mark}")),
+        // A point of a hull is none that is known to be inside.
+        (false, own, "hull 0 0 0 1 0 0 0 0.02\nv 0 0 0"),
+    ] {
+        assert_holds(&inside, (from, to), holds);
+    }
+    // A vertex is in its solid, and the ball around it in the wall.
+    for solid in
+        ["hull 0 0 0 1 0 0 0 0\nv 0 0 0\nv 0.018 0 0", "mesh 0 0 0 1 0 0 0\nv 0 0 0\nv 0.018 0 0\nf 0 1 0"]
+    {
+        let hull = inside.replace(own, solid).replace(mark, "3,0,4,0,v1");
+        for (holds, from, to) in [
+            (true, "end\n", "end\n"),
+            (true, "0.018", "0.0115"),
+            (false, "0.018", "0.0111"),
+            (false, "v1", "v0"),
+            (false, "v1", "v2"),
+            (false, "v1", "v01"),
+            (false, "v1", "v"),
+            (false, "body wall\nbox 0.5", "body wall\nbox 0.51"),
+        ] {
+            assert_holds(&hull, (from, to), holds);
         }
     }
 }

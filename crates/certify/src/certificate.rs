@@ -3,9 +3,10 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use cranny_collision::Cell;
+use cranny_grasp::Grasp;
 use cranny_robot::Robot;
 use cranny_spatial::{Point, Pose, PoseDifference};
-use cranny_task::{Goal, Problem, Segment, Stage, StateSequence};
+use cranny_task::{Goal, Problem, Segment, Stage, StateSequence, gripper_poses};
 use sha2::{Digest as _, Sha256};
 
 use crate::CertifyError;
@@ -47,10 +48,7 @@ pub fn certificate(
         let start = start.unwrap_or_default();
         let start = if text.len() > FORMAT.len() + 1 { start } else { problem.start().to_vec() };
         check_values(robot, &start, &paths)?;
-        let model = Model::of(&cell);
-        if !model.is_in_order() {
-            return Err(not_covered("a robot that lists a finger before its tip, which a joint moves"));
-        }
+        let model = in_order(&cell)?;
         let scene = scene_text(robot, &model, &Rules { name: &name, start: &start, goals: &[goal] });
         let _ = writeln!(text, "{scene}hash {}", hash_of(&scene));
         for (path, pieces) in &paths {
@@ -62,12 +60,12 @@ pub fn certificate(
     Ok(folded(&text))
 }
 
-/// Returns the certificate that no motion leads from the start of a problem to any of its goals, `cranny-certificate/1`: the base
-/// cannot come near enough. `name` is that of the scenario.
+/// Returns the certificate that no motion leads from the start of a problem to any of its goals, `cranny-certificate/1`. `name` is
+/// that of the scenario.
 ///
 /// 1. The ranges of the slides on which the arm stands are divided into boxes. A box is excluded if two objects touch in all of it,
 ///    whatever the arm does.
-/// 2. No goal is in reach from the boxes that the start remains connected with.
+/// 2. No goal is in reach from the boxes that the start remains connected with, or the hand touches the world at it.
 ///
 /// # Errors
 /// [`CertifyError::NotExcluded`] if that is not so, or remains undecided; [`CertifyError::NotCovered`] for a problem of another kind.
@@ -75,29 +73,101 @@ pub fn impossibility(name: &str, problem: &Problem) -> Result<String, CertifyErr
     let cell = problem.cell().ok_or_else(|| not_covered("the paper's criterion, which proves nothing"))?;
     let (robot, start) = (cell.robot(), problem.start());
     let goals: Vec<(String, Pose)> = match (problem.goal(), problem.grasp_measure()) {
-        (Goal::Grasps(grasps), None) => {
-            let grasps = grasps.grasps().iter().enumerate();
-            grasps.map(|(index, grasp)| (format!("grasp-{index}"), grasp.world_from_gripper)).collect()
-        }
+        (Goal::Grasps(grasps), None) => grasps.grasps().iter().enumerate().flat_map(grasp_goals).collect(),
         (Goal::Configurations(ends), _) => {
             let tip = |q: &Vec<f64>| *robot.frames_at(q).link(robot.tip());
             ends.iter().enumerate().map(|(index, q)| (format!("configuration-{index}"), tip(q))).collect()
         }
         _ => return Err(not_covered("a proof that no motion exists to grasps that a planner may choose")),
     };
-    let model = Model::of(cell);
-    if goals.is_empty() || !model.is_in_order() {
-        return Err(not_covered("a problem without goals, or a robot that lists a finger before its tip"));
+    if goals.is_empty() {
+        return Err(not_covered("a problem without goals"));
     }
-    let tips: Vec<Point> = goals.iter().map(|(_, goal)| Point::from(goal.translation.vector)).collect();
-    let base = Base::new(cell, &model, start);
-    let boxes = base.as_ref().and_then(|base| Some((base, Boxes::around(base, &tips)?)));
-    let (base, boxes) = boxes.ok_or(CertifyError::NotExcluded)?;
-    let scene = scene_text(robot, &model, &Rules { name, start, goals: &goals });
+    let model = in_order(cell)?;
+    let base = Base::new(cell, &model, start).ok_or(CertifyError::NotExcluded)?;
+    let tips = |goals: &[(String, Pose)]| -> Vec<Point> {
+        goals.iter().map(|(_, goal)| Point::from(goal.translation.vector)).collect()
+    };
+    if let Some(boxes) = Boxes::around(&base, &tips(&goals)) {
+        return Ok(no_motion(name, &base, &boxes, &goals, &[]));
+    }
+    let (blocked, left): (Vec<_>, Vec<_>) =
+        goals.into_iter().map(|goal| (base.blocked_at(&goal.1), goal)).partition(|(mark, _)| mark.is_some());
+    let marks: Vec<String> = blocked.iter().filter_map(|(mark, _)| mark.clone()).collect();
+    let left: Vec<(String, Pose)> = left.into_iter().map(|(_, goal)| goal).collect();
+    let boxes = if left.is_empty() { Some(Boxes::whole(&base)) } else { Boxes::around(&base, &tips(&left)) };
+    let boxes = boxes.filter(|_| !marks.is_empty()).ok_or(CertifyError::NotExcluded)?;
+    let goals: Vec<(String, Pose)> = blocked.into_iter().map(|(_, goal)| goal).chain(left).collect();
+    Ok(no_motion(name, &base, &boxes, &goals, &marks))
+}
+
+/// Returns the certificate that no motion leads to some grasps of a problem, by their indices, `cranny-certificate/1`: all those at
+/// which the hand touches the world, or that are beyond reach from everywhere. `name` is that of the scenario.
+///
+/// # Errors
+/// [`CertifyError::NotExcluded`] if there are none; [`CertifyError::NotCovered`] for a problem of another kind.
+pub fn impossible_grasps(name: &str, problem: &Problem) -> Result<(String, Vec<usize>), CertifyError> {
+    let cell = problem.cell().ok_or_else(|| not_covered("the paper's criterion, which proves nothing"))?;
+    let (Goal::Grasps(grasps), None) = (problem.goal(), problem.grasp_measure()) else {
+        return Err(not_covered("a proof about grasps that a planner may choose"));
+    };
+    let model = in_order(cell)?;
+    let base = Base::new(cell, &model, problem.start()).ok_or(CertifyError::NotExcluded)?;
+    let is_beyond = |goal: &Pose| base.is_beyond_all(&Point::from(goal.translation.vector));
+    let (mut blocked, mut marks, mut beyond, mut indices) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for (index, grasp) in grasps.grasps().iter().enumerate() {
+        let goals = grasp_goals((index, grasp));
+        if is_beyond(&grasp.world_from_gripper) {
+            beyond.extend(goals);
+        } else if let Some(of_goals) =
+            goals.iter().map(|(_, goal)| base.blocked_at(goal)).collect::<Option<Vec<String>>>()
+        {
+            blocked.extend(goals);
+            marks.extend(of_goals);
+        } else {
+            continue;
+        }
+        indices.push(index);
+    }
+    if indices.is_empty() {
+        return Err(CertifyError::NotExcluded);
+    }
+    let goals = [blocked, beyond].concat();
+    Ok((no_motion(name, &base, &Boxes::whole(&base), &goals, &marks), indices))
+}
+
+/// Returns the goals of a grasp: its pose, and that with the fingers exchanged.
+fn grasp_goals((index, grasp): (usize, &Grasp)) -> Vec<(String, Pose)> {
+    let [own, turned] = gripper_poses(grasp);
+    let turned = (!grasp.has_no_twin).then(|| (format!("grasp-{index}-half-turn"), turned));
+    std::iter::once((format!("grasp-{index}"), own)).chain(turned).collect()
+}
+
+fn in_order(cell: &Cell) -> Result<Model, CertifyError> {
+    let model = Model::of(cell);
+    if model.is_in_order() {
+        return Ok(model);
+    }
+    Err(not_covered("a robot that lists a finger before its tip, which a joint moves"))
+}
+
+/// Returns the text of a certificate that no motion leads to a goal; the first goals are blocked, by these marks.
+fn no_motion(
+    name: &str,
+    base: &Base<'_>,
+    boxes: &Boxes,
+    goals: &[(String, Pose)],
+    marks: &[String],
+) -> String {
+    let scene = scene_text(base.cell.robot(), base.model, &Rules { name, start: base.start, goals });
     let mut text = format!("{FORMAT}\n{scene}hash {}\n", hash_of(&scene));
     line(&mut text, &format!("none {}", base.link), &base.axis_points);
-    let _ = writeln!(text, "boxes{}\nend", boxes.marks(base));
-    Ok(text)
+    let _ = writeln!(text, "boxes{}", boxes.marks(base));
+    for (goal, mark) in marks.iter().enumerate() {
+        let _ = writeln!(text, "blocked {goal} {mark}");
+    }
+    text.push_str("end\n");
+    text
 }
 
 /// Divides a motion into runs in one cell.

@@ -2,12 +2,13 @@ use std::fmt::Write as _;
 
 use cranny_collision::Cell;
 use cranny_robot::{JointKind, LinkFrames};
-use cranny_spatial::{EXACT_TRANSLATION_M, Point, Pose, Vector};
+use cranny_spatial::{EXACT_ROTATION_RAD, EXACT_TRANSLATION_M, Point, Pose, Vector};
 
-use crate::common_point::common_point;
+use crate::common_point::{common_point, is_deep};
 use crate::gap::Gap;
 use crate::model::Model;
 use crate::moment::Moment;
+use crate::span::Shape;
 
 /// Maximum distance of the start of a path from that of the problem, in m or rad; a checker allows the same.
 pub(crate) const START_TOLERANCE: f64 = 1e-5;
@@ -26,9 +27,9 @@ type Values = Vec<[f64; 2]>;
 
 /// Slides on which the arm of a robot stands, and pairs of objects that no other joint moves.
 pub(crate) struct Base<'a> {
-    cell: &'a Cell,
-    model: &'a Model,
-    start: &'a [f64],
+    pub cell: &'a Cell,
+    pub model: &'a Model,
+    pub start: &'a [f64],
     /// Indices of the slides in `q`.
     slides: Vec<usize>,
     /// Link whose origin only the slides move.
@@ -38,6 +39,8 @@ pub(crate) struct Base<'a> {
     /// Bound of the distance of the tip from that origin.
     reach_m: f64,
     pairs: Vec<(usize, usize)>,
+    /// Pairs of a link that no joint moves against the tip, and of an object that none moves at all.
+    hand_pairs: Vec<[usize; 2]>,
 }
 
 /// Node of the tree of boxes.
@@ -83,6 +86,23 @@ impl<'a> Base<'a> {
             *margin_m >= 0.0 && only_slides(*a) && only_slides(*b)
         };
         let pairs = model.pairs.iter().filter(|pair| is_of_base(pair)).map(|(pair, _)| *pair).collect();
+        let is_of_hand = |object: &usize| {
+            let beyond = |of: usize, other: usize| {
+                let other = model.chain(None, other);
+                model
+                    .chain(None, of)
+                    .into_iter()
+                    .filter(|link| !other.contains(link))
+                    .any(|link| joint(link).is_some())
+            };
+            let tip = cell.robot().tip();
+            model.objects[*object].motion.is_some() && !beyond(*object, tip) && !beyond(tip, *object)
+        };
+        let stands =
+            |object: &usize| model.chain(None, *object).into_iter().all(|link| joint(link).is_none());
+        let demanded = model.pairs.iter().filter(|(_, margin_m)| *margin_m >= 0.0);
+        let both = demanded.flat_map(|((a, b), _)| [[*a, *b], [*b, *a]]);
+        let hand_pairs = both.filter(|[of, other]| is_of_hand(of) && stands(other)).collect();
         let is_finite = slides.iter().all(|slide| {
             let limits = cell.robot().limits()[*slide];
             (limits.upper - limits.lower).is_finite()
@@ -96,7 +116,56 @@ impl<'a> Base<'a> {
             axis_points,
             reach_m,
             pairs,
+            hand_pairs,
         })
+    }
+
+    /// Returns the mark of a point that the hand and the world have in common wherever the tip is within the tolerance of a goal, if
+    /// one is found.
+    pub fn blocked_at(&self, goal: &Pose) -> Option<String> {
+        let frames = self.middle(&Vec::new()).frames;
+        let tip_from_world = frames.link(self.cell.robot().tip()).inverse();
+        let place = |object: usize| {
+            let is_link = self.model.objects[object].motion.is_some();
+            if is_link { *frames.link(object) } else { Pose::identity() }
+        };
+        self.hand_pairs.iter().find_map(|&[of, other]| {
+            let tip_from_link = tip_from_world * place(of);
+            let world_from_link = goal * tip_from_link;
+            let solids = self.model.objects[of].solids.iter().enumerate();
+            let obstacles = self.model.objects[other].solids.iter().enumerate();
+            let pairs = solids.flat_map(|own| obstacles.clone().map(move |obstacle| (own, obstacle)));
+            let moved_m =
+                |most_m: f64| EXACT_TRANSLATION_M + 2.0 * libm::sin(0.5 * EXACT_ROTATION_RAD) * most_m;
+            pairs.into_iter().find_map(|((i, own), (k, obstacle))| {
+                let in_world = (&obstacle.shape, place(other) * obstacle.pose);
+                let tip_from_solid = tip_from_link * own.pose;
+                if let Shape::Hull { points, .. } | Shape::Mesh { points, .. } = &own.shape {
+                    let is_inside = |vertex: &Vector| {
+                        let in_tip = tip_from_solid * Point::from(*vertex);
+                        is_deep(in_world, &(goal * in_tip), moved_m(in_tip.coords.norm()))
+                    };
+                    let vertex = points.iter().position(is_inside)?;
+                    return Some(format!("{of},{i},{other},{k},v{vertex}"));
+                }
+                let most_m = tip_from_solid.translation.vector.norm() + own.shape.radius_m();
+                let solid = (&own.shape, world_from_link * own.pose);
+                let at = world_from_link.inverse_transform_point(&common_point(
+                    in_world,
+                    solid,
+                    &[],
+                    moved_m(most_m),
+                )?);
+                Some(format!("{of},{i},{other},{k},{},{},{}", at.x, at.y, at.z))
+            })
+        })
+    }
+
+    /// Returns true if a point is beyond reach from everywhere.
+    pub fn is_beyond_all(&self, point: &Point) -> bool {
+        let limits = self.cell.robot().limits();
+        let whole = self.slides.iter().map(|slide| [limits[*slide].lower, limits[*slide].upper]).collect();
+        self.beyond_m(&whole, std::slice::from_ref(point))[0] > 0.0
     }
 
     /// Returns the robot at rest with the slides in the middle of a box.
@@ -143,7 +212,7 @@ impl<'a> Base<'a> {
                             let solid = &self.model.objects[object].solids[index];
                             (&solid.shape, place(object) * solid.pose)
                         };
-                        if let Some(p) = common_point(solid(first, i), solid(second, k), &ways) {
+                        if let Some(p) = common_point(solid(first, i), solid(second, k), &ways, 0.0) {
                             let own: Point = place(first).inverse_transform_point(&p);
                             return Node::Blocked(format!(
                                 "{first},{i},{second},{k},{},{},{}",
@@ -240,6 +309,13 @@ fn shorten(values: &mut [f64], of: &impl Fn(&[f64]) -> f64) {
 }
 
 impl Boxes {
+    /// Creates the tree of one box, of all values of the slides.
+    pub fn whole(base: &Base<'_>) -> Self {
+        let limits = base.cell.robot().limits();
+        let whole = base.slides.iter().map(|slide| [limits[*slide].lower, limits[*slide].upper]).collect();
+        Self { nodes: vec![(whole, Node::Undecided)] }
+    }
+
     /// Divides the ranges of the slides until no point is in reach from any box that the start is connected with; `None` if that
     /// is not so, or remains undecided.
     pub fn around(base: &Base<'_>, goals: &[Point]) -> Option<Self> {

@@ -50,8 +50,8 @@ pub enum CertifyError {
     },
     /// It is not proven that no motion exists.
     #[error(
-        "no proof that the base stays away from every goal: it may pass, only the arm or the margin keeps it from passing, or the \
-         obstacles are hulls or meshes"
+        "no proof that the base stays away from the goals, or the hand touches the world there: it may pass, only the arm or the \
+         margin keeps it from passing, or solids are hulls or meshes"
     )]
     NotExcluded,
     /// The path ends at no grasp.

@@ -16,5 +16,5 @@ mod scene_text;
 mod span;
 mod word;
 
-pub use certificate::{certificate, impossibility};
+pub use certificate::{certificate, impossibility, impossible_grasps};
 pub use error::CertifyError;

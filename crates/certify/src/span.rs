@@ -34,6 +34,18 @@ pub(crate) enum Shape {
     },
 }
 
+impl Shape {
+    /// Returns a bound of the distance of its points from its middle, in metres; infinite if it has none.
+    pub fn radius_m(&self) -> f64 {
+        match self {
+            Self::Cuboid(half) => half.norm(),
+            Self::Capsule { half_length_m, radius_m } => half_length_m + radius_m,
+            Self::Cylinder { half_length_m, radius_m } => half_length_m.hypot(*radius_m),
+            Self::HalfSpace | Self::Hull { .. } | Self::Mesh { .. } => f64::INFINITY,
+        }
+    }
+}
+
 /// Link, or body of the world (without a motion).
 pub(crate) struct Object {
     pub name: String,

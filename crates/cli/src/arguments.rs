@@ -332,6 +332,7 @@ impl VerifyArguments {
   cranny certify 021 021.plan.json
   cranny certify path/to/scenarios/011 way_points.csv -o 011.cert
   cranny certify path/to/narrow_gate
+  cranny certify 035 --impossible-grasps
 
 docs/certificate.md defines the file and names the programs that check it.")]
 pub struct CertifyArguments {
@@ -339,8 +340,12 @@ pub struct CertifyArguments {
     pub task: TaskArguments,
     /// A plan file (.plan.json) or way points (.csv, .try); without it, or for a plan without a path, the certificate is that no
     /// motion exists
-    #[arg(value_name = "PLAN")]
+    #[arg(value_name = "PLAN", conflicts_with = "impossible_grasps")]
     pub plan: Option<PathBuf>,
+    /// The certificate is that no motion leads to certain grasps: all at which the hand touches the world by more than the
+    /// tolerance, or that are beyond reach
+    #[arg(long)]
+    pub impossible_grasps: bool,
     /// File to write the certificate to [default: ID.cert in this folder]
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,

@@ -171,6 +171,44 @@ fn that_no_motion_exists_is_certified() {
     assert!(code == Some(1) && printed.contains("no certificate of no motion"), "{printed}");
 }
 
+/// Both checkers accept that grasps have no configuration, and no motion to a grasp that a plan reaches is certified to be impossible.
+#[test]
+fn that_grasps_are_impossible_is_certified() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (scenario, least) in [("021", 20), ("035", 3)] {
+        let words = ["certify", scenario, "--impossible-grasps", "-o", "no.cert", "--json"];
+        let (code, printed) = cranny(folder.path(), &words);
+        assert_eq!(code, Some(0), "{printed}");
+        let written: serde_json::Value = serde_json::from_str(&printed).expect("JSON");
+        let impossible = written["grasps"].as_array().expect("grasps");
+        assert!(impossible.len() >= least, "{printed}");
+        let text = std::fs::read_to_string(folder.path().join("no.cert")).expect("a certificate");
+        let found = check(&text).expect("it holds");
+        assert_eq!(found[2], format!("goals {0}, of which {0} are blocked", 2 * impossible.len()));
+        python_agrees(folder.path(), &text, true);
+        let (_, ik) = cranny(folder.path(), &["ik", scenario, "--attempts", "200", "--json", "-q"]);
+        let rows: serde_json::Value = serde_json::from_str(&ik).expect("JSON");
+        for row in rows.as_array().or(rows["grasps"].as_array()).expect("rows") {
+            let is_certified = impossible.contains(&row["grasp"]);
+            assert!(!is_certified || row["status"] != "solved", "{row}");
+        }
+        // One of the lines is missing, or another goal.
+        let blocked = text.lines().find(|line| line.starts_with("blocked 1 ")).expect("such a line");
+        for wrong in [
+            text.replacen(&format!("{blocked}\n"), "", 1),
+            text.replacen(blocked, &blocked.replacen('1', "0", 1), 1),
+        ] {
+            assert!(check(&wrong).is_err());
+            python_agrees(folder.path(), &wrong, false);
+        }
+        std::fs::remove_file(folder.path().join("no.cert")).expect("removed");
+    }
+    let (code, printed) = cranny(folder.path(), &["certify", "011", "--impossible-grasps"]);
+    assert!(code == Some(1) && printed.contains("no certificate"), "{printed}");
+    let (code, printed) = cranny(folder.path(), &["certify", "021", "it.plan.json", "--impossible-grasps"]);
+    assert!(code == Some(2) && printed.contains("cannot be used with"), "{printed}");
+}
+
 /// A greater distance than the path has is not certified, whatever the planes are.
 #[test]
 fn more_than_the_clearance_is_refused() {

@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use cranny_certify::{CertifyError, certificate, impossibility};
+use cranny_certify::{CertifyError, certificate, impossibility, impossible_grasps};
 use cranny_record::{PlanFile, read_waypoints};
 use cranny_task::{Mode, Problem, Segment, Stage};
 use serde::Serialize;
@@ -41,6 +41,16 @@ pub fn run(arguments: &CertifyArguments, output: Output) -> Result<Answer, Failu
             let text = || certificate(&source.scenario, &problem, &[Stage::pick()], &segments);
             Written::of(MOTION, text, &to, output)?
         }
+        (None, _) if arguments.impossible_grasps => {
+            let mut grasps = Vec::new();
+            let text = || {
+                let (text, indices) = impossible_grasps(&source.scenario, &problem)?;
+                grasps = indices;
+                Ok(text)
+            };
+            let written = Written::of(NO_MOTION, text, &to, output)?;
+            Written { grasps: Some(grasps), ..written }
+        }
         (None, _) => Written::of(NO_MOTION, || impossibility(&source.scenario, &problem), &to, output)?,
     };
     text::answer(&written, || written.line(), output)?;
@@ -67,6 +77,9 @@ pub fn write(
 #[derive(Clone, Debug, Serialize)]
 pub struct Written {
     claim: &'static str,
+    /// Indices of the grasps that it is about, if it is about some.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    grasps: Option<Vec<usize>>,
     certificate: Option<PathBuf>,
     bytes: usize,
     time_s: f64,
@@ -83,7 +96,7 @@ impl Written {
         let begin = Instant::now();
         let text = text();
         let time_s = begin.elapsed().as_secs_f64();
-        let none = Self { claim, certificate: None, bytes: 0, time_s, refused: None };
+        let none = Self { claim, grasps: None, certificate: None, bytes: 0, time_s, refused: None };
         match text {
             Ok(text) => {
                 output_file::write(to, FileKind::Certificate, text.as_bytes(), output)?;
@@ -104,7 +117,12 @@ impl Written {
                 let kilobytes = self.bytes.div_ceil(1000);
                 let milliseconds = 1e3 * self.time_s;
                 let (claim, file) = (self.claim, file.display());
-                format!("certificate of {claim}: {file}, {kilobytes} kB, in {milliseconds:.1} ms\n")
+                let to = match self.grasps.as_deref() {
+                    None => String::new(),
+                    Some([_]) => " to 1 grasp".to_owned(),
+                    Some(grasps) => format!(" to {} grasps", grasps.len()),
+                };
+                format!("certificate of {claim}{to}: {file}, {kilobytes} kB, in {milliseconds:.1} ms\n")
             }
             (None, reason) => {
                 format!("no certificate of {}: {}\n", self.claim, reason.as_deref().unwrap_or_default())

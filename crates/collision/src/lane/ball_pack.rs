@@ -30,23 +30,29 @@ impl BallPack {
         balls.chunks(LANES).map(pack).collect()
     }
 
-    /// Returns true unless all of `packs` are certainly `reach_m` (m) or farther from a solid.
+    /// Returns true unless all of `packs` are certainly `reach_m` (m) or farther from a solid; `must_be_sure`: with a union, false in
+    /// most cases of doubt too.
     pub fn any_closer<S: Simd>(
         simd: S,
         packs: &[Self],
         frame: &SingleFrame,
         solid: &LaneSolid,
         reach_m: f32,
+        must_be_sure: bool,
     ) -> bool {
         simd.vectorize(
             #[inline(always)]
             || {
                 // Loops, not closures: a closure would lose the instruction set of the enclosing function.
                 for pack in packs {
-                    let reaches = pack.radii(simd) + reach_m;
-                    if solid.within_reach(simd, pack.centers(simd, frame), reaches, first_lanes(pack.count))
-                        != 0
-                    {
+                    let (centers, reaches) = (pack.centers(simd, frame), pack.radii(simd) + reach_m);
+                    let lanes = first_lanes(pack.count);
+                    let near = if must_be_sure {
+                        solid.surely_within_reach(simd, centers, reaches, lanes)
+                    } else {
+                        solid.within_reach(simd, centers, reaches, lanes)
+                    };
+                    if near != 0 {
                         return true;
                     }
                 }

@@ -124,8 +124,51 @@ impl LaneSolid {
     /// plane of a half-space the distance is negative; inside other solids it is 0.
     #[inline(always)]
     pub fn within_reach<S: Simd>(&self, simd: S, point: LaneVector<S>, reach: f32x16<S>, lanes: u32) -> u32 {
+        self.within_reach_by(
+            simd,
+            point,
+            reach,
+            lanes,
+            #[inline(always)]
+            |union, point, reach_m| union.is_closer(simd, point, reach_m),
+        )
+    }
+
+    /// Returns [`Self::within_reach`], or more lanes where the solid is a union.
+    #[inline(always)]
+    pub fn maybe_within_reach<S: Simd>(
+        &self,
+        simd: S,
+        point: LaneVector<S>,
+        reach: f32x16<S>,
+        lanes: u32,
+    ) -> u32 {
+        self.within_reach_by(simd, point, reach, lanes, BoxUnion::may_be_closer)
+    }
+
+    /// Returns [`Self::within_reach`], or fewer lanes where the solid is a union.
+    #[inline(always)]
+    pub fn surely_within_reach<S: Simd>(
+        &self,
+        simd: S,
+        point: LaneVector<S>,
+        reach: f32x16<S>,
+        lanes: u32,
+    ) -> u32 {
+        self.within_reach_by(simd, point, reach, lanes, BoxUnion::is_surely_closer)
+    }
+
+    #[inline(always)]
+    fn within_reach_by<S: Simd>(
+        &self,
+        simd: S,
+        point: LaneVector<S>,
+        reach: f32x16<S>,
+        lanes: u32,
+        is_closer: impl Fn(&BoxUnion, [f32; 3], f32) -> bool,
+    ) -> u32 {
         if let Some(union) = &self.union {
-            return self.union_within_reach(simd, union, point, reach, lanes);
+            return self.union_within_reach(simd, union, point, reach, lanes, is_closer);
         }
         self.simple_within_reach(simd, point, reach) & lanes
     }
@@ -139,6 +182,7 @@ impl LaneSolid {
         point: LaneVector<S>,
         reach: f32x16<S>,
         lanes: u32,
+        is_closer: impl Fn(&BoxUnion, [f32; 3], f32) -> bool,
     ) -> u32 {
         let offset = point.minus(LaneVector::splat(simd, self.origin));
         let own = LaneVector {
@@ -155,7 +199,7 @@ impl LaneSolid {
             let lane = rest.trailing_zeros() as usize;
             rest &= rest - 1;
             let point = [points[0][lane], points[1][lane], points[2][lane]];
-            near |= u32::from(union.is_closer(simd, point, reaches[lane])) << lane;
+            near |= u32::from(is_closer(union, point, reaches[lane])) << lane;
         }
         near
     }

@@ -84,11 +84,16 @@ impl Lanes {
                         }
                         let reach = travel + (pair.free_m + ball.radius);
                         let part = &self.parts[pair.other as usize];
-                        let lanes = part.solid.within_reach(simd, center, reach, lanes);
+                        let is_leaf = children == [0; 2];
+                        let lanes = if is_leaf {
+                            part.solid.within_reach(simd, center, reach, lanes)
+                        } else {
+                            part.solid.maybe_within_reach(simd, center, reach, lanes)
+                        };
                         if lanes == 0 {
                             continue;
                         }
-                        if children == [0; 2] {
+                        if is_leaf {
                             scratch.add_doubt(rough_doubt, pair.pair, lanes);
                         } else {
                             scratch.near.push(Near { index, lanes });
@@ -189,7 +194,7 @@ impl Lanes {
             let pair = &pairs[index as usize];
             let reach = travel + (pair.free_m + root.radius);
             let part = &self.parts[pair.other as usize];
-            let lanes = part.solid.within_reach(simd, center, reach, lanes & *open);
+            let lanes = part.solid.maybe_within_reach(simd, center, reach, lanes & *open);
             if lanes.count_ones() > FEW_LANES {
                 scratch.near[kept] = Near { index, lanes };
                 kept += 1;
@@ -246,6 +251,6 @@ impl Lanes {
         if !part.is_exact || lanes == 0 {
             return 0;
         }
-        part.solid.within_reach(simd, center, f32x16::splat(simd, pair.contact_m + radius), lanes)
+        part.solid.surely_within_reach(simd, center, f32x16::splat(simd, pair.contact_m + radius), lanes)
     }
 }

@@ -41,12 +41,15 @@ impl LaneBody {
             return bars.verdict([gap_m; 2]);
         }
         // 2.
-        let closer = |packs, reach_m| BallPack::any_closer(simd, packs, frame, &part.solid, reach_m);
-        if self.is_balls && !closer(&self.packed_inner, bars.free_m) {
+        let closer = |packs, reach_m, must_be_sure| {
+            BallPack::any_closer(simd, packs, frame, &part.solid, reach_m, must_be_sure)
+        };
+        let in_contact = |packs| closer(packs, bars.contact_m, true);
+        if self.is_balls && !closer(&self.packed_inner, bars.free_m, false) {
             return Verdict::Free;
         }
         let (large, small) = self.packed_inner.split_at(self.packed_inner.len().min(1));
-        if part.is_exact && closer(large, bars.contact_m) {
+        if part.is_exact && in_contact(large) {
             return Verdict::Contact;
         }
         if part.box_around().is_some_and(|around| !self.is_box_closer(frame, around, bars.free_m)) {
@@ -80,14 +83,14 @@ impl LaneBody {
         {
             let union_frame = SingleFrame { axes: part.solid.rows, origin: part.solid.origin };
             let verdict = self.against_union(simd, frame, union, &union_frame, bars);
-            let is_deep = verdict == Verdict::Doubt && closer(small, bars.contact_m);
+            let is_deep = verdict == Verdict::Doubt && in_contact(small);
             return if is_deep { Verdict::Contact } else { verdict };
         }
         // 4.
         if !self.any_leaf_closer(0, frame, &part.solid, bars.free_m) {
             return Verdict::Free;
         }
-        if part.is_exact && closer(small, bars.contact_m) { Verdict::Contact } else { Verdict::Doubt }
+        if part.is_exact && in_contact(small) { Verdict::Contact } else { Verdict::Doubt }
     }
 
     /// Checks the link against another one, in the same manner.
@@ -150,7 +153,7 @@ impl LaneBody {
                     let center = union_frame.turned_back(minus(frame.point(ball.center), union_frame.origin));
                     let reach_m = bars.free_m + ball.radius;
                     if children != [0; 2] {
-                        if union.is_closer(simd, center, reach_m) {
+                        if union.may_be_closer(center, reach_m) {
                             if open_count + 2 > MOST_OPEN {
                                 return Verdict::Doubt;
                             }

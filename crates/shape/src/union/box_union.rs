@@ -9,7 +9,7 @@ use crate::distance::convex::{Convex, Core, HullPoints};
 use crate::error::positive;
 use crate::union::box_chunk::{BoxChunk, NarrowBox, enclosing};
 use crate::union::box_order::compact_order;
-use crate::union::free_grid::FreeGrid;
+use crate::union::free_grid::{Closeness, FreeGrid};
 use crate::{Aabb, Ball, ShapeError};
 
 /// Union of boxes along the axes of its frame, all rounded by the same radius: the cells of a map of space or, without extent, the
@@ -81,9 +81,10 @@ impl BoxUnion {
             count = full;
         };
         let around = BoxChunk::of(std::iter::once(around)).get(0);
-        let all = boxes.iter().map(|own| BoxChunk::of(std::iter::once(*own)).get(0));
+        let ordered =
+            levels[0].iter().flat_map(|chunk| (0..LANES).map(|lane| chunk.get(lane))).take(boxes.len());
         let are_points = boxes.iter().all(|[_, half_extents]| half_extents.iter().all(|half| *half <= 0.0));
-        let free = FreeGrid::new(&around, (boxes.len(), are_points), all);
+        let free = FreeGrid::new(&around, (boxes.len(), are_points), ordered);
         Ok(Self { levels, free, count: boxes.len(), radius_m, around })
     }
 
@@ -116,10 +117,38 @@ impl BoxUnion {
     /// off by no more than the comparison of a single box would be.
     #[inline(always)]
     pub fn is_closer<S: Simd>(&self, simd: S, point: [f32; 3], reach_m: f32) -> bool {
-        match self.free.is_closer(point, self.whole_reach(reach_m)) {
-            Some(is_closer) => is_closer,
-            None => self.any_closer(simd, point, reach_m, |_, _| true),
+        match self.free.closeness(point, self.whole_reach(reach_m)) {
+            Closeness::Closer => true,
+            Closeness::Farther => false,
+            Closeness::AtBox(index) if self.is_box_closer(index, point, reach_m) => true,
+            Closeness::AtBox(_) | Closeness::Open => self.any_closer(simd, point, reach_m, |_, _| true),
         }
+    }
+
+    /// Returns false if a point is certainly not closer to a box, as [`Self::is_closer`], and mostly true only if it is.
+    #[inline(always)]
+    pub fn may_be_closer(&self, point: [f32; 3], reach_m: f32) -> bool {
+        self.free.may_be_closer(point, self.whole_reach(reach_m))
+    }
+
+    /// Returns true if a point is certainly closer to a box, as [`Self::is_closer`], and mostly false only if it is not.
+    #[inline(always)]
+    pub fn is_surely_closer(&self, point: [f32; 3], reach_m: f32) -> bool {
+        match self.free.closeness(point, self.whole_reach(reach_m)) {
+            Closeness::Closer => true,
+            Closeness::AtBox(index) => self.is_box_closer(index, point, reach_m),
+            Closeness::Farther | Closeness::Open => false,
+        }
+    }
+
+    /// Returns true if a point is closer to a box than `reach_m` (m), in single precision.
+    #[inline(always)]
+    fn is_box_closer(&self, index: u32, point: [f32; 3], reach_m: f32) -> bool {
+        let [center, half_extents] = self.narrow_box(index);
+        let reach_m = self.whole_reach(reach_m);
+        let beyond = |axis: usize| ((point[axis] - center[axis]).abs() - half_extents[axis]).max(0.0);
+        let [x, y, z] = [beyond(0), beyond(1), beyond(2)];
+        x * x + y * y + z * z < reach_m * reach_m
     }
 
     /// Calls `visit` with the indices of boxes closer to a point, as [`Self::is_closer`], until it returns false. Returns false then.
@@ -131,8 +160,7 @@ impl BoxUnion {
         reach_m: f32,
         mut visit: impl FnMut(u32) -> bool,
     ) -> bool {
-        let is_free = self.free.is_closer(point, self.whole_reach(reach_m)) == Some(false);
-        is_free
+        !self.may_be_closer(point, reach_m)
             || !self.any_closer(simd, point, reach_m, |chunk, mut near| {
                 while near != 0 {
                     #[allow(clippy::cast_possible_truncation, reason = "a tree has at most 16⁸ boxes")]
