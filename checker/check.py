@@ -8,6 +8,7 @@ import hashlib
 import os
 import re
 import sys
+from decimal import Decimal
 from fractions import Fraction
 from math import isqrt
 
@@ -457,7 +458,8 @@ class Scene:
                     self.pairs.append((a, b, top, distance))
 
     def pairs_line(self):
-        return f"pairs {len(self.pairs)}, at least {self.margin_word[0]} m apart but for `keep`"
+        margin = format(Decimal(repr(float(self.margin_word[0]))).normalize(), "f")
+        return f"pairs {len(self.pairs)}, at least {margin} m apart but for `keep`"
 
     def common(self, a, b):
         """Returns the lowest link above two objects or equal to one, and if a joint moves one against the other."""
@@ -700,7 +702,10 @@ def touch(scene, mark):
     of_a, of_b = [known[index(word, len(known))] for known, word in zip(solids, words[1:4:2])]
     if vertex is None:
         return a, b, of_a, of_b, [exact(x) for x in numbers(words[4:], 3)], False
-    at = [(x, x + 1) for x in of_a.points[index(vertex, len(of_a.points))]]
+    number = index(vertex, len(of_a.points))
+    spend(2 + len(of_a.faces) // 2)
+    unless(not of_a.faces or any(number in face for face in of_a.faces), "a vertex of no face")
+    at = [(x, x + 1) for x in of_a.points[number]]
     return a, b, of_a, of_b, plus(times(of_a.pose[0], at), of_a.pose[1]), True
 
 

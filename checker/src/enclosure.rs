@@ -64,7 +64,7 @@ pub fn enclosure(lines: &mut Lines<'_>, scene: &Scene<'_>, ledger: &mut Ledger) 
 /// the goal.
 fn blocked_goal(scene: &Scene<'_>, line: &mut Lines<'_>, ledger: &mut Ledger) -> Checked<usize> {
     let goal = line.index(scene.goals.len())?;
-    let touch = Touch::read(scene, line.word()?)?;
+    let touch = Touch::read(scene, line.word()?, ledger)?;
     let [a, b] = touch.objects;
     let [to_a, to_b, to_tip] = [a, b, scene.tip].map(|of| scene.chain(None, of));
     ledger.work(1000 + 100 * (to_a.len() + to_b.len() + to_tip.len()))?;
@@ -91,20 +91,21 @@ struct Touch<'a> {
 }
 
 impl<'a> Touch<'a> {
-    fn read(scene: &'a Scene<'_>, mark: &str) -> Checked<Self> {
+    fn read(scene: &'a Scene<'_>, mark: &str, ledger: &mut Ledger) -> Checked<Self> {
         let words: Vec<&str> = mark.split(',').collect();
         let [a, i, b, k, at @ ..] = &words[..] else { return Err("a mark that is none".to_owned()) };
         let objects = [Lines::whole(a, scene.objects.len())?, Lines::whole(b, scene.objects.len())?];
         let [a, b] = objects;
-        let demanded = scene.pairs.iter().find(|pair| pair.objects == [a.min(b), a.max(b)]);
-        unless(demanded.is_some_and(|pair| pair.distance >= 0.0), "a pair that may touch")?;
+        let demanded = scene.pairs.binary_search_by_key(&[a.min(b), a.max(b)], |pair| pair.objects);
+        unless(demanded.is_ok_and(|pair| scene.pairs[pair].distance >= 0.0), "a pair that may touch")?;
         let solid = |of: usize, index| {
             let solids = &scene.objects[of].solids;
             Lines::whole(index, solids.len()).map(|index| &solids[index])
         };
         let solids = [solid(a, i)?, solid(b, k)?];
         if let [Some(vertex)] = at.iter().map(|word| word.strip_prefix('v')).collect::<Vec<_>>()[..] {
-            let at = solids[0].vertex(Lines::whole(vertex, solids[0].vertices())?);
+            ledger.work(solids[0].faces())?;
+            let at = solids[0].vertex(Lines::whole(vertex, solids[0].vertices())?)?;
             return Ok(Self { objects, solids, at, is_vertex: true });
         }
         let at: Vec<Interval> = at.iter().map(|x| Lines::parsed(x).map(point)).collect::<Checked<_>>()?;
@@ -168,7 +169,7 @@ fn open_boxes(
             open.push(values);
             unless(open.len() * scene.joints.len() <= MOST_VALUES, "more boxes than a certificate may have")?;
         } else {
-            let touch = Touch::read(scene, mark)?;
+            let touch = Touch::read(scene, mark, ledger)?;
             let [a, b] = touch.objects;
             slides_alone(scene, Some(a))?;
             slides_alone(scene, Some(b))?;

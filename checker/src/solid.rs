@@ -121,9 +121,14 @@ impl Solid {
         self.points.len()
     }
 
-    /// Returns a vertex in the frame of the object.
-    pub fn vertex(&self, index: usize) -> Vector {
-        self.pose.of_point(self.points[index].map(point))
+    pub fn faces(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Returns a vertex in the frame of the object: of a mesh, only one that a face has.
+    pub fn vertex(&self, index: usize) -> Checked<Vector> {
+        let is_known = self.faces.is_empty() || self.faces.iter().flatten().any(|corner| *corner == index);
+        unless(is_known, "a vertex of no face").map(|()| self.pose.of_point(self.points[index].map(point)))
     }
 
     /// Encloses the greatest m·p over some points, 0 for none (4).

@@ -144,6 +144,11 @@ fn goals_are_blocked() {
     ] {
         assert_holds(&inside, (from, to), holds);
     }
+    // A vertex that no face has is no point of a mesh.
+    let mesh = "mesh 0 0 0 1 0 0 0\nv 0.018 0 0\nv 0 0 0\nv 0 0.01 0\nv 0 0 0.01\nf 1 2 3";
+    let mesh = inside.replace(own, mesh).replace(mark, "3,0,4,0,v0");
+    assert_holds(&mesh, ("end\n", "end\n"), false);
+    assert_holds(&mesh, ("f 1 2 3", "f 1 2 0"), true);
     // A vertex is in its solid, and the ball around it in the wall.
     for solid in
         ["hull 0 0 0 1 0 0 0 0\nv 0 0 0\nv 0.018 0 0", "mesh 0 0 0 1 0 0 0\nv 0 0 0\nv 0.018 0 0\nf 0 1 0"]

@@ -101,11 +101,12 @@ pub fn impossibility(name: &str, problem: &Problem) -> Result<String, CertifyErr
     Ok(no_motion(name, &base, &boxes, &goals, &marks))
 }
 
-/// Returns the certificate that no motion leads to some grasps of a problem, by their indices, `cranny-certificate/1`: all those at
-/// which the hand touches the world, or that are beyond reach from everywhere. `name` is that of the scenario.
+/// Returns the certificate that no motion leads to some grasps of a problem, by their indices, `cranny-certificate/1`: those at which
+/// a point is found that the hand and the world have in common, or that are beyond reach from everywhere. `name` is that of the
+/// scenario.
 ///
 /// # Errors
-/// [`CertifyError::NotExcluded`] if there are none; [`CertifyError::NotCovered`] for a problem of another kind.
+/// [`CertifyError::NoneImpossible`] if there are none; [`CertifyError::NotCovered`] for a problem of another kind.
 pub fn impossible_grasps(name: &str, problem: &Problem) -> Result<(String, Vec<usize>), CertifyError> {
     let cell = problem.cell().ok_or_else(|| not_covered("the paper's criterion, which proves nothing"))?;
     let (Goal::Grasps(grasps), None) = (problem.goal(), problem.grasp_measure()) else {
@@ -130,7 +131,7 @@ pub fn impossible_grasps(name: &str, problem: &Problem) -> Result<(String, Vec<u
         indices.push(index);
     }
     if indices.is_empty() {
-        return Err(CertifyError::NotExcluded);
+        return Err(CertifyError::NoneImpossible);
     }
     let goals = [blocked, beyond].concat();
     Ok((no_motion(name, &base, &Boxes::whole(&base), &goals, &marks), indices))

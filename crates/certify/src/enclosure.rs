@@ -8,6 +8,7 @@ use crate::common_point::{common_point, is_deep};
 use crate::gap::Gap;
 use crate::model::Model;
 use crate::moment::Moment;
+use crate::scene_text::decimal;
 use crate::span::Shape;
 
 /// Maximum distance of the start of a path from that of the problem, in m or rad; a checker allows the same.
@@ -41,6 +42,19 @@ pub(crate) struct Base<'a> {
     pairs: Vec<(usize, usize)>,
     /// Pairs of a link that no joint moves against the tip, and of an object that none moves at all.
     hand_pairs: Vec<[usize; 2]>,
+}
+
+/// Point that two solids have in common.
+enum Common {
+    /// Vertex of the first one.
+    Vertex(usize),
+    /// In the world.
+    Point(Point),
+}
+
+/// Returns the mark of a point of a solid, in the frame of its object, that is in another one: object and solid of both.
+fn mark([first, i, second, k]: [usize; 4], at: &Point) -> String {
+    format!("{first},{i},{second},{k},{},{},{}", decimal(at.x), decimal(at.y), decimal(at.z))
 }
 
 /// Node of the tree of boxes.
@@ -130,35 +144,62 @@ impl<'a> Base<'a> {
             if is_link { *frames.link(object) } else { Pose::identity() }
         };
         self.hand_pairs.iter().find_map(|&[of, other]| {
-            let tip_from_link = tip_from_world * place(of);
-            let world_from_link = goal * tip_from_link;
+            let obstacles = &self.model.objects[other].solids;
             let solids = self.model.objects[of].solids.iter().enumerate();
-            let obstacles = self.model.objects[other].solids.iter().enumerate();
-            let pairs = solids.flat_map(|own| obstacles.clone().map(move |obstacle| (own, obstacle)));
-            let moved_m =
-                |most_m: f64| EXACT_TRANSLATION_M + 2.0 * libm::sin(0.5 * EXACT_ROTATION_RAD) * most_m;
+            let pairs =
+                solids.flat_map(|own| obstacles.iter().enumerate().map(move |obstacle| (own, obstacle)));
             pairs.into_iter().find_map(|((i, own), (k, obstacle))| {
-                let in_world = (&obstacle.shape, place(other) * obstacle.pose);
-                let tip_from_solid = tip_from_link * own.pose;
-                if let Shape::Hull { points, .. } | Shape::Mesh { points, .. } = &own.shape {
-                    let is_inside = |vertex: &Vector| {
-                        let in_tip = tip_from_solid * Point::from(*vertex);
-                        is_deep(in_world, &(goal * in_tip), moved_m(in_tip.coords.norm()))
-                    };
-                    let vertex = points.iter().position(is_inside)?;
-                    return Some(format!("{of},{i},{other},{k},v{vertex}"));
-                }
-                let most_m = tip_from_solid.translation.vector.norm() + own.shape.radius_m();
-                let solid = (&own.shape, world_from_link * own.pose);
-                let at = world_from_link.inverse_transform_point(&common_point(
-                    in_world,
-                    solid,
-                    &[],
-                    moved_m(most_m),
-                )?);
-                Some(format!("{of},{i},{other},{k},{},{},{}", at.x, at.y, at.z))
+                let tip_from_solid = tip_from_world * place(of) * own.pose;
+                let own = (&own.shape, goal * tip_from_solid);
+                let point = Self::common_at(
+                    goal,
+                    (own, &tip_from_solid),
+                    (&obstacle.shape, place(other) * obstacle.pose),
+                )?;
+                let solids = [of, i, other, k];
+                Some(match point {
+                    Common::Vertex(vertex) => format!("{of},{i},{other},{k},v{vertex}"),
+                    Common::Point(at) => {
+                        mark(solids, &(goal * tip_from_world * place(of)).inverse_transform_point(&at))
+                    }
+                })
             })
         })
+    }
+
+    /// Returns a point that a solid of the hand and another one have in common wherever the tip is within the tolerance of a goal.
+    fn common_at(
+        goal: &Pose,
+        (own, tip_from_solid): ((&Shape, Pose), &Pose),
+        obstacle: (&Shape, Pose),
+    ) -> Option<Common> {
+        let moved_m = |most_m: f64| EXACT_TRANSLATION_M + 2.0 * libm::sin(0.5 * EXACT_ROTATION_RAD) * most_m;
+        let vertices = |points: &[Vector], is_known: &dyn Fn(usize) -> bool| {
+            let is_inside = |vertex: &usize| {
+                let in_tip = tip_from_solid * Point::from(points[*vertex]);
+                is_deep(obstacle, &(goal * in_tip), moved_m(in_tip.coords.norm())) && is_known(*vertex)
+            };
+            (0..points.len()).find(is_inside).map(Common::Vertex)
+        };
+        match own.0 {
+            Shape::Hull { points, .. } => vertices(points, &|_| true),
+            Shape::Mesh { points, faces } => {
+                vertices(points, &|vertex| faces.iter().flatten().any(|corner| *corner == vertex))
+            }
+            _ => {
+                let apart_m = (own.1.translation.vector - obstacle.1.translation.vector).norm();
+                if apart_m > own.0.radius_m() + obstacle.0.radius_m() {
+                    return None;
+                }
+                // A point nearer to the tip is moved less.
+                let most_m = tip_from_solid.translation.vector.norm() + own.0.radius_m();
+                [1.0, 0.8, 0.6, 0.4, 0.2].into_iter().find_map(|share| {
+                    let at = common_point(obstacle, own, &[], moved_m(share * most_m))?;
+                    let is_near = (at - Point::from(goal.translation.vector)).norm() <= share * most_m;
+                    is_near.then_some(Common::Point(at))
+                })
+            }
+        }
     }
 
     /// Returns true if a point is beyond reach from everywhere.
@@ -214,10 +255,7 @@ impl<'a> Base<'a> {
                         };
                         if let Some(p) = common_point(solid(first, i), solid(second, k), &ways, 0.0) {
                             let own: Point = place(first).inverse_transform_point(&p);
-                            return Node::Blocked(format!(
-                                "{first},{i},{second},{k},{},{},{}",
-                                own.x, own.y, own.z
-                            ));
+                            return Node::Blocked(mark([first, i, second, k], &own));
                         }
                     }
                 }

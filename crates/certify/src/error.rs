@@ -50,10 +50,16 @@ pub enum CertifyError {
     },
     /// It is not proven that no motion exists.
     #[error(
-        "no proof that the base stays away from the goals, or the hand touches the world there: it may pass, only the arm or the \
-         margin keeps it from passing, or solids are hulls or meshes"
+        "no proof that the base stays away from every goal where the hand is free: it may pass, only the arm or the margin keeps it \
+         from passing, or the obstacles are hulls or meshes"
     )]
     NotExcluded,
+    /// No grasp is shown to be impossible.
+    #[error(
+        "no grasp is shown to be impossible: none is beyond reach, and at none does the hand reach into a box, ball, capsule, \
+         cylinder or half-space by more than the tolerance of 1 mm and 1°"
+    )]
+    NoneImpossible,
     /// The path ends at no grasp.
     #[error("the path ends at none of the grasps, to 1 mm and 1°")]
     Goal,

@@ -118,12 +118,18 @@ pub(crate) fn line(text: &mut String, word: &str, values: &[f64]) {
     text.push('\n');
 }
 
-/// Appends numbers, each as the shortest decimal that is read as the same `f64`, without a zero before the point.
+/// Appends numbers.
 fn numbers(text: &mut String, values: &[f64]) {
     for value in values {
-        let long = format!("{:?}", value.abs());
-        let short = long.strip_suffix(".0").unwrap_or(&long);
-        text.push_str(if value.is_sign_negative() { " -" } else { " " });
-        text.push_str(if short.starts_with("0.") { &short[1..] } else { short });
+        text.push(' ');
+        text.push_str(&decimal(*value));
     }
+}
+
+/// Returns the shortest decimal that is read as this `f64`, without a zero before the point.
+pub(crate) fn decimal(value: f64) -> String {
+    let long = format!("{:?}", value.abs());
+    let short = long.strip_suffix(".0").unwrap_or(&long);
+    let short = if short.starts_with("0.") { &short[1..] } else { short };
+    format!("{}{short}", if value.is_sign_negative() { "-" } else { "" })
 }

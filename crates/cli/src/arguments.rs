@@ -342,8 +342,8 @@ pub struct CertifyArguments {
     /// motion exists
     #[arg(value_name = "PLAN", conflicts_with = "impossible_grasps")]
     pub plan: Option<PathBuf>,
-    /// The certificate is that no motion leads to certain grasps: all at which the hand touches the world by more than the
-    /// tolerance, or that are beyond reach
+    /// The certificate is that no motion leads to certain grasps: those at which the hand is found to touch the world by more than
+    /// the tolerance of 1 mm and 1°, or that are beyond reach
     #[arg(long)]
     pub impossible_grasps: bool,
     /// File to write the certificate to [default: ID.cert in this folder]
