@@ -169,7 +169,8 @@ pub struct PlanArguments {
     /// Seed of all random numbers: the same seed gives the same path
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
-    /// Time limit of the search, in seconds; with --explore, of each search, and 5 by default
+    /// Time limit of the search, in seconds, which ends after its first attempts at the earliest; with --explore, of each search,
+    /// and 5 by default
     #[arg(
         long,
         value_name = "S",

@@ -57,6 +57,8 @@ pub enum FileKind {
     Npy,
     /// Point cloud of the Point Cloud Library.
     Pcd,
+    /// Progress of a campaign.
+    Progress,
     /// Partial result of a computation that was stopped.
     Unfinished,
 }
@@ -95,6 +97,7 @@ impl FileKind {
             Self::Views => "file of views",
             Self::Npy => "NumPy array",
             Self::Pcd => "PCD point cloud",
+            Self::Progress => "progress of a campaign",
             Self::Unfinished => "finished part of a stopped command",
         }
     }
@@ -139,6 +142,7 @@ impl FileKind {
             Self::Pcd => text.starts_with("# .PCD"),
             Self::Npy => head.starts_with(b"\x93NUMPY"),
             Self::Manual => text.starts_with('.') && text.contains(".TH cranny"),
+            Self::Progress => is_object_with(&["trials", "planners", "elapsed_s"]),
             Self::Unfinished => is_object_with(&["format"]) && text.contains("\"cranny-unfinished/"),
             // `OMPL version 1.7`, or that of another library, then the experiment.
             Self::OmplLog => {

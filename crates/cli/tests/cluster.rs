@@ -48,6 +48,13 @@ fn trials(file: &Path) -> Vec<(String, Vec<Vec<f64>>)> {
 fn parts_that_are_run_one_by_one_give_the_same_whole() {
     let folder = folder();
     let path = folder.path();
+    // The file of the progress replaces no other one.
+    std::fs::write(path.join("notes.json"), "{\"mine\": 1}").expect("written");
+    let run = ["bench", "run", "campaign.yaml", "--shard", "1/3"];
+    let refused = said(path, &[&run[..], &["-o", "notes.db"]].concat(), 2);
+    assert!(refused.contains("notes.json: exists already and is no progress"), "{refused}");
+    let refused = said(path, &[&run[..], &["-o", "notes.db", "--standing", "notes.db"]].concat(), 2);
+    assert!(refused.contains("--standing") && !path.join("notes.db").exists(), "{refused}");
     for part in 1..=3 {
         let (shard, output) = (format!("{part}/3"), format!("part-{part}.db"));
         said(path, &["bench", "run", "campaign.yaml", "--shard", &shard, "-o", &output], 0);

@@ -61,6 +61,36 @@ fn the_plan_of_the_first_picture_holds_its_object() {
     assert!(code == 1 && page.contains("hold.factor"), "{page}");
 }
 
+/// A slower motion along the same path holds at least as firmly, so no peak of the load of the faster one was missed.
+#[test]
+fn a_slower_copy_of_a_motion_holds_as_firmly() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (scenario, flags) in [
+        ("031", &["--carry", "home", "--seed", "2"][..]),
+        ("033", &["--carry", "home", "--seed", "9", "--timing", "time-optimal"]),
+        ("131", &["--place", "inside", "--seed", "7"]),
+    ] {
+        let (code, page, _) =
+            cranny(folder, &[&["plan", scenario, "-o", "fast.plan.json", "--force"], flags].concat());
+        assert_eq!(code, 0, "{page}");
+        for share in [0.9988, 0.9983, 0.9975, 0.994] {
+            let mut slow = document(folder, "fast.plan.json");
+            for segment in slow["segments"].as_array_mut().unwrap() {
+                if !segment["attached"].is_null() {
+                    segment["speed"] = (segment["speed"].as_f64().unwrap_or(1.0) * share).into();
+                }
+            }
+            std::fs::write(folder.join("slow.plan.json"), slow.to_string()).unwrap();
+            let (_, page, words) = cranny(folder, &["verify", scenario, "slow.plan.json"]);
+            assert!(
+                !page.is_empty() && !page.contains("hold_demanded") && !page.contains("hold.factor"),
+                "{share}: {page}{words}"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_hold_that_no_grasp_has_is_no_plan_and_its_reason_is_told() {
     let folder = tempfile::tempdir().unwrap();

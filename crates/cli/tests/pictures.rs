@@ -93,6 +93,8 @@ fn a_film_has_the_pictures_of_its_rate_and_speed() {
         let (expected, found) = ((whole - 1) as f64 / factor + 1.0, count(file, &["--speed", speed]) as f64);
         assert!((found - expected).abs() <= 2.0, "{found} pictures instead of {expected} at speed {speed}");
     }
+    // Pictures of two films are not mixed.
+    refused(folder, &["render", "021", "p.plan.json", "-o", "frames/"], &["frames", "exists already"]);
     done(folder, &["render", "021", "p.plan.json", "-o", "a.glb"]);
     done(folder, &["render", "021", "p.plan.json", "-o", "b.glb", "--speed", "0.25"]);
     let size = |file: &str| std::fs::metadata(folder.join(file)).expect("a file").len();

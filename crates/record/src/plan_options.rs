@@ -264,7 +264,9 @@ impl PlanOptions {
 
     /// Returns stages with the requested straight approaches and retreats.
     fn straight(&self, problem: &Problem, mut stages: Vec<Stage>) -> Result<Vec<Stage>, RecordError> {
-        if self.approach_m.is_some() && stages.is_empty() {
+        // No approach is none that must be stated.
+        let is_approach = self.approach_m.is_some_and(|approach_m| approach_m > 0.0);
+        if is_approach && stages.is_empty() {
             stages = Stage::of_goal(problem);
         }
         let (mut picks, mut places) = (0, 0);
@@ -283,7 +285,7 @@ impl PlanOptions {
         }
         let refuse =
             |field, problem: &str| Err(RecordError::PlanOptions { field, problem: problem.to_owned() });
-        if self.approach_m.is_some() && picks == 0 {
+        if is_approach && picks == 0 {
             return refuse("approach", "nothing is grasped in this task");
         }
         if self.retreat_m.is_some() && places == 0 {

@@ -184,7 +184,7 @@ pub enum ShapeError {
         source: std::io::Error,
     },
     /// The extension of a file names no supported mesh format.
-    #[error("{path}: the ending '{extension}' names no mesh format (known: obj, stl, dae, ply)", path = path.display())]
+    #[error("{path}: the ending '{extension}' names no mesh format (known: obj, stl, dae, ply, msh)", path = path.display())]
     Format {
         /// Path of the mesh file.
         path: PathBuf,

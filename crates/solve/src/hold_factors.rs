@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use cranny_grasp::{GripForces, LoadState};
-use cranny_path::{Trajectory, sample_times};
+use cranny_path::Trajectory;
 use cranny_plan::PlanError;
 use cranny_robot::{Robot, between, distance};
 use cranny_spatial::nalgebra::Rotation3;
@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 use crate::{TaskTrajectory, Timing};
 
 /// Firmness of the hold on the carried object along a whole motion: factors by which loads may grow until a pad slips, as
-/// conservative lower bounds (limit surface of the pads: see `LoadMeasure` of `cranny-grasp`).
+/// lower bounds by the limit surface of the pads (see `LoadMeasure` of `cranny-grasp`), but for some thousandths between the instants
+/// that are examined.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HoldFactors {
@@ -24,12 +25,14 @@ pub struct HoldFactors {
     pub mass_assumed: bool,
 }
 
-/// Sampling rate of a motion, in Hz.
-const RATE_HZ: f64 = 100.0;
+/// Greatest length of the parts into which smooth motion is divided, and that of the parts of a short one, in seconds.
+const PART_S: [f64; 2] = [0.01, 0.002];
+/// Number of parts up to which a smooth motion is short.
+const SHORT: f64 = 4.0;
 /// Step of the finite differences for the motion of the hand, in seconds.
 const STEP_S: f64 = 1e-3;
 /// Sampling distance in joint space (m, rad) of the orientations along a path.
-const LOOK_EVERY: f64 = 0.05;
+const LOOK_EVERY: f64 = 0.02;
 /// Increment and least value of the share of the speed limits; its multiples have few digits.
 const SPEED_STEP: f64 = 1e-3;
 
@@ -83,11 +86,15 @@ impl FirmGrip {
         (self.world_from_closed.rotation.inverse() * world_from_tip).to_rotation_matrix()
     }
 
-    /// Samples the motion of the hand along a leg, every 10 ms.
-    fn states(&self, robot: &Robot, leg: &Trajectory) -> Result<Vec<LoadState>, PlanError> {
+    /// Returns states of the hand along a leg, whose convex hull contains all others, but for third differences of its accelerations
+    /// over some milliseconds: the loads that a factor allows are a convex set, so none of them has a lower factor.
+    ///
+    /// The motion is smooth between its switches. Each part of it has a state at both ends, and the middle one of the three control
+    /// points of the parabola through these and the state halfway.
+    fn states(&self, robot: &Robot, leg: &Trajectory) -> Vec<LoadState> {
         let mut frames = robot.frames();
         let to_closed = self.world_from_closed.rotation.inverse();
-        let state = |time_s: f64| {
+        let mut state = |time_s: f64| {
             let sample = leg.sample(time_s);
             // Extrapolate the joints from this sample, because their acceleration may jump.
             let mut tip = |after_s: f64| {
@@ -109,10 +116,32 @@ impl FirmGrip {
                 turn: self.turn_to(&now.rotation),
             }
         };
-        Ok(sample_times(leg.duration_s(), RATE_HZ)?.map(state).collect())
+        let mut states = Vec::new();
+        for span in leg.switches_s().windows(2) {
+            let length_s = span[1] - span[0];
+            let parts = (length_s / PART_S[1]).ceil().min(SHORT).max((length_s / PART_S[0]).ceil());
+            // Just within the span, on whose ends an acceleration may jump.
+            let mut at = |part: f64| state(span[0] + length_s * (1e-6 + (1.0 - 2e-6) * part / parts));
+            let (mut begin, mut part) = (at(0.0), 0.0);
+            while part < parts {
+                let (middle, end) = (at(part + 0.5), at(part + 1.0));
+                let control =
+                    |of: fn(&LoadState) -> Vector| 2.0 * of(&middle) - 0.5 * (of(&begin) + of(&end));
+                let control = LoadState {
+                    acceleration: control(|state| state.acceleration),
+                    rate: control(|state| state.rate),
+                    rate_acceleration: control(|state| state.rate_acceleration),
+                    ..middle
+                };
+                states.extend([begin, control]);
+                (begin, part) = (end, part + 1.0);
+            }
+            states.push(begin);
+        }
+        states
     }
 
-    /// Returns the least factor over sampled load states, with the motion slowed down to a share of its speed.
+    /// Returns the least factor over load states, with the motion slowed down to a share of its speed.
     fn factor(&self, states: &[LoadState], share: f64) -> f64 {
         let slowed = states.iter().map(|state| LoadState {
             acceleration: state.acceleration * share.powi(2),
@@ -131,7 +160,7 @@ impl FirmGrip {
         timing: Timing,
     ) -> Result<Option<f64>, PlanError> {
         let Some(timed) = TaskTrajectory::of(timing, problem.robot(), leg)? else { return Ok(None) };
-        Ok(Some(self.factor(&self.states(problem.robot(), timed.reach())?, 1.0)))
+        Ok(Some(self.factor(&self.states(problem.robot(), timed.reach()), 1.0)))
     }
 
     /// Returns the greatest share of the speed at which the factor reaches `demanded`; `None` if no speed suffices.
@@ -172,11 +201,11 @@ pub(crate) fn hold_firmly(
         let Some(leg) = TaskTrajectory::of(timing, problem.robot(), &segments[range.clone()])? else {
             continue;
         };
-        let states = grip.states(problem.robot(), leg.reach())?;
+        let states = grip.states(problem.robot(), leg.reach());
         let Some(mut share) = grip.fastest(&states, demanded) else {
             return Ok(Err(FailureReason::Slips));
         };
-        // Samples of the slower motion may lie nearer to the peak of its load.
+        // The slower motion switches elsewhere.
         loop {
             for segment in &mut segments[range.clone()] {
                 segment.speed = (share < 1.0).then_some(share);

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct Tilt {
     /// Name of the object: if the tilt of several is limited, of the one that comes nearest to its limit.
     pub object: String,
-    /// Greatest tilt, in radians: a proven upper bound, to within some thousandths.
+    /// Greatest tilt along straight edges and rounded corners, in radians: a proven upper bound, to within some thousandths.
     pub greatest_rad: f64,
     /// Greatest allowed tilt, in radians.
     pub most_rad: f64,

@@ -22,6 +22,7 @@ use crate::campaigns::bench_worker;
 use crate::campaigns::cluster_folder::ClusterCampaign;
 use crate::choices::CriterionArgument;
 use crate::failure::Failure;
+use crate::file_kind::FileKind;
 use crate::number_argument::{MOST_ITERATIONS, pose_error, seconds, whole};
 use crate::program::version::COMMIT;
 use crate::progress::{bar, spinner, stop_on_interrupt};
@@ -181,6 +182,15 @@ pub fn run(arguments: &RunArguments, registry: &Registry, output: Output) -> Res
     if std::fs::metadata(&arguments.output).is_ok_and(|found| !found.is_file() || found.len() > 0) {
         Results::open(&arguments.output)?;
     }
+    let beside = arguments.shard.map(|_| arguments.output.with_extension("json"));
+    let standing = arguments.standing.clone().or(beside);
+    if let Some(file) = &standing {
+        if *file == arguments.output {
+            let problem = "the progress cannot be in the file of results; name another one";
+            return Err(Failure::Flag { flag: "standing", problem: problem.to_owned() });
+        }
+        output_file::check(file, FileKind::Progress, output)?;
+    }
     let spinner = spinner("opening the scenarios", output.quiet);
     let schedule = campaign.schedule(registry);
     spinner.finish_and_clear();
@@ -211,8 +221,7 @@ pub fn run(arguments: &RunArguments, registry: &Registry, output: Output) -> Res
         again: arguments.again.clone(),
     };
     let mut progress = CampaignBar::new(output.quiet);
-    let beside = arguments.shard.map(|_| arguments.output.with_extension("json"));
-    let ended = match arguments.standing.clone().or(beside) {
+    let ended = match standing {
         None => run_campaign(&schedule, &settings, &mut results, &mut progress, &stop),
         Some(file) => {
             let machine = settings.information.machine.clone();

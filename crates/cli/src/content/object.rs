@@ -57,7 +57,7 @@ pub struct ShowArguments {
 The mesh must enclose a volume. Doubled vertices and faces the wrong way round are repaired; holes and
 faces that pass through each other are not.")]
 pub struct AddArguments {
-    /// Mesh file: OBJ, STL, PLY or DAE, in metres
+    /// Mesh file: OBJ, STL, PLY, DAE or MSH, in metres
     #[arg(value_name = "MESH")]
     pub mesh: PathBuf,
     /// Mass in kilograms

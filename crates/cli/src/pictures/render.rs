@@ -88,7 +88,7 @@ pub struct RenderArguments {
     /// Keep obstacles opaque that hide the robot or the target
     #[arg(long)]
     pub solid: bool,
-    /// URDF of another robot to use instead of the scenario's
+    /// Built-in robot, robot folder or model file to use instead of the scenario's robot
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
     /// Obstacles of a released scenario: the true boxes, or the inflated mesh that its planners used

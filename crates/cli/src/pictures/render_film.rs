@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use cranny_scenario::ScenarioError;
 use cranny_view::{Animation, Film, Picture, PictureSettings, Scene, StandardView};
 
 use crate::arguments::Output;
@@ -53,6 +54,9 @@ pub fn write(moving: &MovingPicture, file: &Path, output: Output) -> Result<usiz
     let [view] = moving.views[..] else {
         return Err(refused("view", "a moving picture has one view; 'all' is for .png"));
     };
+    if format == Format::Folder && std::fs::read_dir(file).is_ok_and(|mut known| known.next().is_some()) {
+        return Err(ScenarioError::Exists { path: file.to_owned() }.into());
+    }
     let times_s = scene.motion.as_ref().map_or(&[][..], |motion| &motion.times_s);
     let Some(&last_s) = times_s.last() else {
         let problem = "nothing moves without a plan: name a plan file, or write .png or .glb";

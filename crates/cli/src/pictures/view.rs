@@ -45,7 +45,7 @@ pub struct ViewArguments {
     /// Print the address without opening a browser
     #[arg(long)]
     pub no_open: bool,
-    /// URDF of another robot to use instead of the scenario's
+    /// Built-in robot, robot folder or model file to use instead of the scenario's robot
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
     /// Obstacles of a released scenario: the true boxes, or the inflated mesh that its planners used

@@ -104,6 +104,7 @@ pub fn run(arguments: &PlanArguments, registry: &Registry, output: Output) -> Re
         trajectory_file: trajectory_file.as_deref(),
         clearance_limit: answer.audit.as_ref().and_then(|audit| audit.clearance_limit.as_ref()),
         makes_first_grasps: request.makes_first_grasps(&problem),
+        is_spent_by_iterations: arguments.iterations.is_some_and(|most| answer.statistics.iterations >= most),
         untimed: answer.untimed.clone(),
         obstruction,
         plan: &plan,

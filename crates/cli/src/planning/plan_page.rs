@@ -47,6 +47,9 @@ pub struct Answered<'a> {
     /// True if the planner generates the grasps of the first pick.
     #[serde(skip)]
     pub makes_first_grasps: bool,
+    /// True if the limit of iterations was reached.
+    #[serde(skip)]
+    pub is_spent_by_iterations: bool,
     /// Reason why there is no trajectory.
     #[serde(skip)]
     pub untimed: Option<String>,
@@ -447,8 +450,10 @@ pub fn page(answered: &Answered, grasps: &GraspSet) -> String {
     }
     let is_spent = matches!(plan.outcome, Outcome::BudgetExhausted | Outcome::ClaimedNotProven);
     if is_spent && plan.no_grasp.is_none() {
-        let first = if answered.obstruction.is_some() { "the next view, a longer" } else { "a longer" };
-        line("hint", format!("{first} --time-limit, another --seed or another --planner may find a path"));
+        let first = if answered.obstruction.is_some() { "the next view, " } else { "" };
+        let limit =
+            if answered.is_spent_by_iterations { "more --iterations" } else { "a longer --time-limit" };
+        line("hint", format!("{first}{limit}, another --seed or another --planner may find a path"));
     }
     if plan.outcome != Outcome::Solved && answered.plan_file.is_none() {
         line(

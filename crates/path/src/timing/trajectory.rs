@@ -138,6 +138,18 @@ impl Trajectory {
         TrajectorySample { time_s, position: piece.position(state.s), velocity, acceleration }
     }
 
+    /// Returns the instants at which a derivative of the motion may jump, with its begin and end, in order (s): between two of them
+    /// all joints move smoothly.
+    pub fn switches_s(&self) -> Vec<f64> {
+        let phases = self.law.phases.iter().map(|phase| phase.begin_s);
+        let pieces = self.curve.pieces.iter().enumerate();
+        let pieces = pieces.map(|(index, piece)| self.law.time_of(index, piece.begin));
+        let mut times: Vec<f64> = phases.chain(pieces).chain([0.0, self.duration_s()]).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup_by(|later, time| *later - *time < 1e-9);
+        times
+    }
+
     /// Returns samples at 0, 1/`rate_hz`, 2/`rate_hz`, … and at the end.
     ///
     /// # Errors

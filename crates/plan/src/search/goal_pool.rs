@@ -163,6 +163,7 @@ impl<'a> GoalPool<'a> {
         // 1.
         self.open_poses(random, scratch);
         if self.open == 0 {
+            statistics.ik_time_s += begin.elapsed().as_secs_f64();
             return Vec::new();
         }
         // 2.

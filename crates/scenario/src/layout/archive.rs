@@ -80,8 +80,9 @@ pub fn pack(folder: &Path, archive: &Path, credits: &Credits) -> Result<Vec<Stri
     Scenario::open(&inside.to_string_lossy(), &OpenOptions::default()).map_err(|reason| {
         // The reader knows no temporary folder.
         let reason = reason.to_string().replace(&format!("{}/", inside.display()), "");
-        let problem = "the scenario does not open by itself (what it names must lie in its folder)";
-        fault(folder, format!("{problem}: {reason}"))
+        let problem = "the scenario does not open by itself: what it names, such as objects and meshes, must lie in its folder, and \
+                       in it the reader finds";
+        fault(folder, format!("{problem} this: {reason}"))
     })?;
     let about = file.about.unwrap_or_default();
     let AboutEntry { author, licence, citation, .. } = about;
