@@ -103,7 +103,8 @@ impl<'a> PieceProof<'a> {
                 tree.marks.push(' ');
             }
             let is_whole = |side: usize| objects[side].has_whole_meshes(node.spans[side]);
-            let mark = if let Some(floor) = objects[1].half_space(node.spans[1]) {
+            let floor = objects[1].half_space(node.spans[1]);
+            let mark = if let Some(floor) = floor {
                 let up = floor.rotation * Vector::z();
                 let lowest = [-0.5, 0.5].map(|s| {
                     gap.moved[0].farthest(objects[0], node.spans[0], &-up, s).dot(&up)
@@ -126,7 +127,8 @@ impl<'a> PieceProof<'a> {
                 }
                 continue;
             }
-            let parts = Self::halved(&node, margin_m, &gap, &gap_of);
+            // The support of the whole above a plane is as near as that of its nearest part.
+            let parts = if floor.is_some() { None } else { Self::halved(&node, margin_m, &gap, &gap_of) };
             match parts {
                 Some((side, parts)) => {
                     let _ = write!(tree.marks, "{}", if side == 0 { 'a' } else { 'b' });

@@ -264,9 +264,8 @@ impl PlanOptions {
 
     /// Returns stages with the requested straight approaches and retreats.
     fn straight(&self, problem: &Problem, mut stages: Vec<Stage>) -> Result<Vec<Stage>, RecordError> {
-        // No approach is none that must be stated.
-        let is_approach = self.approach_m.is_some_and(|approach_m| approach_m > 0.0);
-        if is_approach && stages.is_empty() {
+        let is_of_goal = self.approach_m.is_some() && stages.is_empty();
+        if is_of_goal {
             stages = Stage::of_goal(problem);
         }
         let (mut picks, mut places) = (0, 0);
@@ -285,11 +284,15 @@ impl PlanOptions {
         }
         let refuse =
             |field, problem: &str| Err(RecordError::PlanOptions { field, problem: problem.to_owned() });
-        if is_approach && picks == 0 {
+        if self.approach_m.is_some() && picks == 0 {
             return refuse("approach", "nothing is grasped in this task");
         }
         if self.retreat_m.is_some() && places == 0 {
             return refuse("retreat", "it is only valid with `place` and with tasks that put an object down");
+        }
+        if is_of_goal && self.approach_m.is_some_and(|approach_m| approach_m.abs() <= 0.0) {
+            // An approach of no length demands nothing.
+            stages.clear();
         }
         Ok(stages)
     }

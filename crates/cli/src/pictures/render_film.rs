@@ -47,6 +47,21 @@ pub struct MovingPicture<'a> {
     pub format: Format,
 }
 
+/// Refuses a folder with other files than pictures that are written again: those of a longer film would stay among them.
+fn check_folder(folder: &Path, pictures: usize) -> Result<(), Failure> {
+    let Ok(known) = std::fs::read_dir(folder) else { return Ok(()) };
+    let names = known.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let written: Vec<String> = (0..pictures).map(picture_name).collect();
+    match names.into_iter().find(|name| !written.contains(name)) {
+        Some(name) => Err(ScenarioError::Exists { path: folder.join(name) }.into()),
+        None => Ok(()),
+    }
+}
+
+fn picture_name(place: usize) -> String {
+    format!("{place:04}.png")
+}
+
 /// Renders the motion to a file or folder and returns the number of frames.
 pub fn write(moving: &MovingPicture, file: &Path, output: Output) -> Result<usize, Failure> {
     let MovingPicture { scene, settings, rate_hz, format, .. } = *moving;
@@ -54,9 +69,6 @@ pub fn write(moving: &MovingPicture, file: &Path, output: Output) -> Result<usiz
     let [view] = moving.views[..] else {
         return Err(refused("view", "a moving picture has one view; 'all' is for .png"));
     };
-    if format == Format::Folder && std::fs::read_dir(file).is_ok_and(|mut known| known.next().is_some()) {
-        return Err(ScenarioError::Exists { path: file.to_owned() }.into());
-    }
     let times_s = scene.motion.as_ref().map_or(&[][..], |motion| &motion.times_s);
     let Some(&last_s) = times_s.last() else {
         let problem = "nothing moves without a plan: name a plan file, or write .png or .glb";
@@ -76,6 +88,9 @@ pub fn write(moving: &MovingPicture, file: &Path, output: Output) -> Result<usiz
     let steps = (last_s / moving.step_s - 1e-9).ceil().max(0.0) as usize;
     check_length(steps.saturating_add(1), format, settings)?;
     let frames: Vec<usize> = (0..=steps).map(|step| nearest(step as f64 * moving.step_s)).collect();
+    if format == Format::Folder {
+        check_folder(file, frames.len())?;
+    }
     let bar = progress::bar(frames.len() as u64, output.quiet);
     bar.set_message("pictures");
     let counted = |picture| {
@@ -89,7 +104,7 @@ pub fn write(moving: &MovingPicture, file: &Path, output: Output) -> Result<usiz
     } else if format == Format::Folder {
         let pictures = Animation::draw(scene, view, settings, &frames, |place, picture| {
             bar.inc(1);
-            let name = format!("{place:04}.png");
+            let name = picture_name(place);
             let content = picture.png(&file.join(&name))?;
             Ok(NamedFile { name, kind: FileKind::Png, content })
         })?;
