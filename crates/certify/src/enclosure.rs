@@ -134,8 +134,8 @@ impl<'a> Base<'a> {
         })
     }
 
-    /// Returns the mark of a point that the hand and the world have in common wherever the tip is within the tolerance of a goal, if
-    /// one is found.
+    /// Returns the mark of a point that the hand and the world have in common wherever the tip is within the tolerance of a goal, a
+    /// pose in the planning frame, if one is found.
     pub fn blocked_at(&self, goal: &Pose) -> Option<String> {
         let frames = self.middle(&Vec::new()).frames;
         let tip_from_world = frames.link(self.cell.robot().tip()).inverse();

@@ -83,7 +83,10 @@ fn a_slower_copy_of_a_motion_holds_as_firmly() {
             }
             std::fs::write(folder.join("slow.plan.json"), slow.to_string()).unwrap();
             let (_, page, _) = cranny(folder, &["verify", scenario, "slow.plan.json"]);
-            assert!(page.contains("timing.duration_s") && !page.contains("hold_demanded: the file"), "{page}");
+            assert!(
+                page.contains("timing.duration_s") && !page.contains("hold_demanded: the file"),
+                "{page}"
+            );
             for line in page.lines().filter(|line| line.contains("hold.factor: ")) {
                 let numbers = line.split([' ', ',']).filter_map(|word| word.parse::<f64>().ok());
                 let [stated, measured] = numbers.collect::<Vec<_>>()[..] else { panic!("{line}") };

@@ -138,8 +138,8 @@ impl Trajectory {
         TrajectorySample { time_s, position: piece.position(state.s), velocity, acceleration }
     }
 
-    /// Returns the instants at which a derivative of the motion may jump, with its begin and end, in order (s): between two of them
-    /// all joints move smoothly.
+    /// Returns the instants at which a derivative of the motion may jump, in order, with its begin and end (s; one per instant):
+    /// between two of them all joints move smoothly.
     pub fn switches_s(&self) -> Vec<f64> {
         let phases = self.law.phases.iter().map(|phase| phase.begin_s);
         let pieces = self.curve.pieces.iter().enumerate();
