@@ -8,6 +8,7 @@ import hashlib
 import os
 import re
 import sys
+from bisect import bisect_left
 from decimal import Decimal
 from fractions import Fraction
 from math import isqrt
@@ -696,8 +697,9 @@ def touch(scene, mark):
     unless(len(words) == 7 or vertex is not None, "a mark that is none")
     a, b = [index(word, len(scene.objects)) for word in words[:4:2]]
     pair = (min(a, b), max(a, b))
-    spend(2 + len(scene.pairs) // 4)
-    unless(any(known[:2] == pair and known[3] >= 0 for known in scene.pairs), "a pair that may touch")
+    place_of_pair = bisect_left(scene.pairs, pair)  # Pairs are in lexicographic order.
+    known = scene.pairs[place_of_pair : place_of_pair + 1]
+    unless(known and known[0][:2] == pair and known[0][3] >= 0, "a pair that may touch")
     solids = [scene.objects[of].solids for of in (a, b)]
     of_a, of_b = [known[index(word, len(known))] for known, word in zip(solids, words[1:4:2])]
     if vertex is None:

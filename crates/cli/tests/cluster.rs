@@ -53,7 +53,7 @@ fn parts_that_are_run_one_by_one_give_the_same_whole() {
     let run = ["bench", "run", "campaign.yaml", "--shard", "1/3"];
     let refused = said(path, &[&run[..], &["-o", "notes.db"]].concat(), 2);
     assert!(refused.contains("notes.json: exists already and is no progress"), "{refused}");
-    let refused = said(path, &[&run[..], &["-o", "notes.db", "--standing", "notes.db"]].concat(), 2);
+    let refused = said(path, &[&run[..], &["-o", "notes.db", "--standing", "./notes.db"]].concat(), 2);
     assert!(refused.contains("--standing") && !path.join("notes.db").exists(), "{refused}");
     for part in 1..=3 {
         let (shard, output) = (format!("{part}/3"), format!("part-{part}.db"));

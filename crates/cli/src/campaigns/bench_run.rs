@@ -185,7 +185,7 @@ pub fn run(arguments: &RunArguments, registry: &Registry, output: Output) -> Res
     let beside = arguments.shard.map(|_| arguments.output.with_extension("json"));
     let standing = arguments.standing.clone().or(beside);
     if let Some(file) = &standing {
-        if *file == arguments.output {
+        if std::path::absolute(file)? == std::path::absolute(&arguments.output)? {
             let problem = "the progress cannot be in the file of results; name another one";
             return Err(Failure::Flag { flag: "standing", problem: problem.to_owned() });
         }
